@@ -91,8 +91,9 @@ std::string line_of(const foreign::Source::Loss& loss) {
                      loss.times > 1 ? fmt::format(" ({} times)", loss.times) : "");
 }
 
-void report(const cli::Common& common, const foreign::Described& scene, const foreign::Written& w,
-            const std::string& environment, const std::string& portals) {
+void report(const cli::Common& common, const foreign::Described& scene,
+            const foreign::GltfOutput& w, const std::string& environment,
+            const std::string& portals) {
   std::string light = counted(w.emitters, "emitting triangle");
   if (!scene.lamps.empty()) light += ", " + counted(scene.lamps.size(), "lamp");
   if (!environment.empty())
@@ -119,7 +120,7 @@ void report(const cli::Common& common, const foreign::Described& scene, const fo
   });
 }
 
-std::string json_of(const foreign::Described& scene, const foreign::Written& w,
+std::string json_of(const foreign::Described& scene, const foreign::GltfOutput& w,
                     const std::vector<foreign::Source::Loss>& losses, const char* format) {
   nlohmann::ordered_json out = {{"format", format},
                                 {"triangles", w.triangles},
@@ -149,19 +150,17 @@ int run(const ImportOptions& a, const cli::Common& common) {
     throw InputError(display_name(a.scene), "", "has no shape that can be read");
 
   std::vector<std::string> others;
-  std::vector<cli::Common::Input> inputs;
-  for (const auto& file : source.files()) {
+  for (const auto& file : source.files())
     if (file.path != a.scene) others.push_back(file.path);
-    inputs.push_back({file.path, file.hash, {}});
-  }
   common.also_read(others);
 
   const std::filesystem::path output = common.output;
   const std::string stem = output.stem().string();
-  const foreign::Written w = written(scene,
-                                     {a.up, static_cast<int>(a.texture_size), stem + ".environment",
-                                      format.name, common.provenance({inputs.front()})},
-                                     source);
+  const Provenance provenance = common.provenance({{a.scene, source.files().front().hash, {}}});
+  const foreign::GltfOutput w = write_gltf(
+      scene,
+      {a.up, static_cast<int>(a.texture_size), stem + ".environment", format.name, provenance},
+      source);
 
   if (a.strict && !source.losses().empty()) {
     for (size_t i = 1; i < source.losses().size(); ++i) common.warn(line_of(source.losses()[i]));

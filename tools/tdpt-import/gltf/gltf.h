@@ -22,7 +22,7 @@ struct Frame {
   bool downwards = false;
 };
 
-struct Writing {
+struct GltfOptions {
   std::string up = "auto";    ///< the axis x, y or z; auto: by the camera
   int longest_texture = 0;    ///< longer sides of textures are scaled down to it; 0: none are
   std::string environment{};  ///< name of the file beside the scene, without suffix
@@ -30,7 +30,7 @@ struct Writing {
   Provenance provenance{};
 };
 
-struct Written {
+struct GltfOutput {
   std::string glb;
   std::string environment, environment_suffix;  ///< its bytes; empty: there is no such file
   std::string portals;                          ///< a file of portals; empty: there are none
@@ -39,7 +39,7 @@ struct Written {
 };
 
 /// Names what glTF cannot hold as lost.
-Written written(const Described& scene, const Writing& writing, Source& source);
+GltfOutput write_gltf(const Described& scene, const GltfOptions& writing, Source& source);
 
 using GltfJson = nlohmann::ordered_json;
 
@@ -47,9 +47,9 @@ using GltfJson = nlohmann::ordered_json;
 /// written of the scene so far.
 struct GltfFile {
   const Described& scene;
-  const Writing& how;
+  const GltfOptions& how;
   Source& source;
-  Written out{};
+  GltfOutput out{};
   GltfJson root{};
   std::string bin{};
   std::set<std::string> extensions{};
@@ -58,7 +58,7 @@ struct GltfFile {
   std::map<size_t, Texels> decoded{};                   ///< by image; empty: cannot be decoded
   std::map<std::array<size_t, 3>, size_t> meshes{};     ///< by number, material, turned
   std::map<std::array<size_t, 3>, size_t> accessors{};  ///< by attribute, number, turned
-  std::map<size_t, std::pair<size_t, bool>> dark_surfaces{};  ///< by material: written_surface()
+  std::map<size_t, std::pair<size_t, bool>> dark_surfaces{};  ///< by material: material_index()
   bool is_textured = false;  ///< the material that is being written
 
   /// Adds an element to a list of the root; its index.
@@ -75,8 +75,8 @@ struct GltfFile {
 /// glTF's material for a surface that may emit: its index, and whether its meshes need texture
 /// coordinates. Textures have 8 bits, PNG or JPEG; files pass through unchanged where that is
 /// right. An image that cannot be decoded is named as lost and left out.
-std::pair<size_t, bool> written_surface(GltfFile& f, size_t material,
-                                        const std::optional<Emission>& emission);
+std::pair<size_t, bool> material_index(GltfFile& f, size_t material,
+                                       const std::optional<Emission>& emission);
 
 /// Adds the keys of the sky to the scene's extras, and its file. A map that only has to be turned
 /// about +y is copied; any other is resampled in the scene's frame.

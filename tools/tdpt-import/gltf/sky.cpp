@@ -1,4 +1,4 @@
-// The environment of a scene as a file beside it and the keys that name it.
+// Writes the environment of a scene to a file beside it, and the keys that name the file.
 #include "tools/tdpt-import/gltf/gltf.h"
 
 #include <fmt/format.h>
@@ -32,7 +32,7 @@ Vec3d direction_of(Sky::Layout layout, double u, double v) {
           std::copysign(1 - r * r, 1 - x - y)};
 }
 
-// [sr]
+// The solid angle of a rectangle of a map [sr].
 double solid_angle(Sky::Layout layout, double u0, double v0, double u1, double v1) {
   return layout == Sky::Layout::latlong
              ? 2 * pi * (u1 - u0) * (std::cos(v0 * pi) - std::cos(v1 * pi))
@@ -56,7 +56,7 @@ std::array<double, 2> range_of(const Polygon& p, size_t axis) {
   return {(*low)[axis], (*high)[axis]};
 }
 
-// The part where sign * coordinate <= sign * limit (Sutherland and Hodgman).
+// The part of a polygon where sign * coordinate <= sign * limit (Sutherland and Hodgman).
 const Polygon& cut(const Polygon& from, size_t axis, double limit, double sign, Polygon& to) {
   to.clear();
   for (size_t i = 0; i < from.size(); ++i) {
@@ -126,7 +126,7 @@ class Turned {
     return std::clamp(static_cast<int>(below - edges_.begin()) - 1, 0, height_ - 1);
   }
 
-  // Adds an edge but its end to the outline, in straight pieces that miss less than a ten
+  // Adds an edge without its end to the outline, as straight pieces that miss less than a ten
   // thousandth of the texel.
   void trace(const Spot& a, const Spot& b, int depth) {
     constexpr double kStraight = 0.05;  // [rad] of a piece
@@ -148,7 +148,7 @@ class Turned {
     }
   }
 
-  // Of a texel, its corners from the upper left clockwise.
+  // Distributes the light of a texel; its corners are clockwise from the upper left.
   void share(const std::array<Spot, 4>& corners, const Rgb& radiance) {
     const auto& [first, b, last, d] = corners;
     solid_angle_ = solid_angle(sky_.layout, first.u, first.v, last.u, last.v);
@@ -244,7 +244,7 @@ void add_sky(GltfFile& f, GltfJson& extras) {
     if (sky.colour.x != 1) extras["tdpt_environment_scale"] = sky.colour.x;
     return;
   }
-  // As fine as the given one; equal-area squares have texels of 3.5 rad / width.
+  // The new map is as fine as the old one; texels of equal-area squares have 3.5 rad / width.
   const int width =
       std::clamp(sky.layout == Sky::Layout::octahedral ? 2 * t.width : t.width, 4, kWidest);
   ExrFile resampled;

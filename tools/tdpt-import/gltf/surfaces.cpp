@@ -1,4 +1,4 @@
-// Textures and materials.
+// Writes textures and materials.
 #include "tools/tdpt-import/gltf/gltf.h"
 
 #include <algorithm>
@@ -25,7 +25,7 @@ uint8_t coded_of(float linear) {
   return byte_of(v <= 0.0031308f ? 12.92f * v : 1.055f * std::pow(v, 1 / 2.4f) - 0.055f);
 }
 
-// A texel as a linear colour, or as a number.
+// The linear colour of a texel.
 Rgb colour_at(const Texels& t, const Texture& how, size_t i) {
   const Rgb& c = t.rgb[i];
   return t.is_8bit && how.srgb ? linear_of(c) : c;
@@ -37,7 +37,7 @@ float number_at(const Texels& t, const Texture& how, size_t i) {
   return how.luminance ? luminance(c) : (c.x + c.y + c.z) / 3;
 }
 
-// Index of the texel at image coordinates (u, v), repeated.
+// The index of the texel at image coordinates (u, v); the image repeats.
 size_t nearest(const Texels& t, double u, double v) {
   const auto cell = [](double x, int size) {
     const double f = (x - std::floor(x)) * size;
@@ -46,7 +46,7 @@ size_t nearest(const Texels& t, double u, double v) {
   return cell(v, t.height) * static_cast<size_t>(t.width) + cell(u, t.width);
 }
 
-// Coordinates in one texture's image of a point in another's, both placed on the same mesh.
+// Converts image coordinates of one texture to those of another on the same mesh.
 std::array<double, 2> in_other(const Texture& from, double u, double v, const Texture& to) {
   const auto& m = from.map;
   const double det = m[0] * m[4] - m[1] * m[3];
@@ -57,7 +57,8 @@ std::array<double, 2> in_other(const Texture& from, double u, double v, const Te
   return {n[0] * mu + n[1] * mv + n[2], n[3] * mu + n[4] * mv + n[5]};
 }
 
-// A picture of `at(x, y)`, four channels, reduced by whole boxes so that no side exceeds `longest`.
+// A picture of the four channels of `at(x, y)`, averaged over square boxes so that no side exceeds
+// `longest`. `coded`: its colours are written in sRGB.
 template <class At>
 std::string png_of(int width, int height, int longest, bool coded, bool with_alpha, const At& at) {
   const int step = longest > 0 ? std::max(1, (std::max(width, height) + longest - 1) / longest) : 1;
@@ -87,7 +88,7 @@ bool is_jpeg(const std::string& bytes) {
   return bytes.starts_with("\xff\xd8\xff");
 }
 
-const Texels* texels(GltfFile& f, const Texture& texture) {
+const Texels* texels_of(GltfFile& f, const Texture& texture) {
   auto it = f.decoded.find(texture.image);
   if (it == f.decoded.end()) {
     const Image& image = f.scene.images[texture.image];
@@ -112,8 +113,8 @@ const Texels* texels(GltfFile& f, const Texture& texture) {
   return it->second.rgb.empty() ? nullptr : &it->second;
 }
 
-// Of a texture's coordinates; empty for the identity.
-GltfJson transform(GltfFile& f, const Texture& texture) {
+// KHR_texture_transform of a texture; empty for the identity.
+GltfJson texture_transform(GltfFile& f, const Texture& texture) {
   const auto& m = texture.map;
   double r = 0, su = m[0], sv = m[4];
   if (m[1] != 0 || m[3] != 0) {
@@ -132,7 +133,7 @@ GltfJson transform(GltfFile& f, const Texture& texture) {
 }
 
 // A textureInfo of glTF for a file of these bytes.
-GltfJson info(GltfFile& f, const Texture& texture, const std::string& bytes) {
+GltfJson texture_info(GltfFile& f, const Texture& texture, const std::string& bytes) {
   const auto [image, is_new] = f.images.try_emplace(content_hash(bytes), f.images.size());
   if (is_new) {
     f.add("images", {{"name", shown(f.scene.images[texture.image].name, 200)},
@@ -148,23 +149,23 @@ GltfJson info(GltfFile& f, const Texture& texture, const std::string& bytes) {
   if (!sampler.empty()) t["sampler"] = f.index_of("samplers", sampler);
   GltfJson out = {{"index", f.index_of("textures", t)}};
   f.is_textured = true;
-  if (GltfJson map = transform(f, texture); !map.empty())
+  if (GltfJson map = texture_transform(f, texture); !map.empty())
     f.extension(out, "KHR_texture_transform") = std::move(map);
   return out;
 }
 
 // The same for the texture's own file; null if it cannot be used as it is.
-GltfJson unchanged(GltfFile& f, const Texture& texture) {
+GltfJson unchanged_texture(GltfFile& f, const Texture& texture) {
   const std::string& bytes = f.scene.images[texture.image].bytes;
-  const Texels* t = is_png(bytes) || is_jpeg(bytes) ? texels(f, texture) : nullptr;
+  const Texels* t = is_png(bytes) || is_jpeg(bytes) ? texels_of(f, texture) : nullptr;
   const int longest = f.how.longest_texture;
   if (!t || (longest > 0 && std::max(t->width, t->height) > longest)) return nullptr;
-  return info(f, texture, plain_file(bytes));
+  return texture_info(f, texture, plain_file(bytes));
 }
 
-float largest(GltfFile& f, const Colour& colour) {
+float largest_component(GltfFile& f, const Colour& colour) {
   if (!colour.texture) return 1;
-  const Texels* t = texels(f, *colour.texture);
+  const Texels* t = texels_of(f, *colour.texture);
   float most = 0;
   for (size_t i = 0; t && i < t->rgb.size(); ++i) {
     const Rgb c = colour_at(*t, *colour.texture, i);
@@ -175,14 +176,14 @@ float largest(GltfFile& f, const Colour& colour) {
 
 // Each of these returns a textureInfo of glTF, null without a texture. Base colour or emission has
 // the opacity in alpha if its texture is given; texels are divided by `scale`.
-GltfJson colour(GltfFile& f, const Colour& colour, const Number* opacity, float scale = 1) {
+GltfJson colour_texture(GltfFile& f, const Colour& colour, const Number* opacity, float scale = 1) {
   const Texture* cut = opacity && opacity->texture ? &*opacity->texture : nullptr;
   if (!colour.texture && !cut) return nullptr;
   const Texture& lead = colour.texture ? *colour.texture : *cut;
   if (colour.texture && !cut && !colour.curve && scale == 1 && lead.srgb)
-    if (GltfJson file = unchanged(f, lead); !file.is_null()) return file;
-  const Texels* t = texels(f, lead);
-  const Texels* holes = cut ? texels(f, *cut) : nullptr;
+    if (GltfJson file = unchanged_texture(f, lead); !file.is_null()) return file;
+  const Texels* t = texels_of(f, lead);
+  const Texels* holes = cut ? texels_of(f, *cut) : nullptr;
   if (!t || (cut && !holes)) return nullptr;
   bool above_1 = false;
   const auto at = [&](int x, int y) -> std::array<float, 4> {
@@ -201,32 +202,33 @@ GltfJson colour(GltfFile& f, const Colour& colour, const Number* opacity, float 
   };
   const std::string png = png_of(t->width, t->height, f.how.longest_texture, true, cut, at);
   if (above_1) f.lose("reflectances above 1 are taken as 1");
-  return info(f, lead, png);
+  return texture_info(f, lead, png);
 }
 
-GltfJson roughness(GltfFile& f, const Number& roughness) {
+GltfJson roughness_texture(GltfFile& f, const Number& roughness) {
   if (!roughness.texture) return nullptr;
-  const Texels* t = texels(f, *roughness.texture);
+  const Texels* t = texels_of(f, *roughness.texture);
   if (!t) return nullptr;
   const auto at = [&](int x, int y) -> std::array<float, 4> {
     const size_t i = t->index(x, y);
     const float r = number_at(*t, *roughness.texture, i);
     return {1, roughness.curve ? roughness.curve(r) : r, 1, 1};
   };
-  return info(f, *roughness.texture,
-              png_of(t->width, t->height, f.how.longest_texture, false, false, at));
+  return texture_info(f, *roughness.texture,
+                      png_of(t->width, t->height, f.how.longest_texture, false, false, at));
 }
 
-GltfJson normal_map(GltfFile& f, const Texture& texture) {
+GltfJson normal_texture(GltfFile& f, const Texture& texture) {
   if (!texture.green_down)
-    if (GltfJson file = unchanged(f, texture); !file.is_null()) return file;
-  const Texels* t = texels(f, texture);
+    if (GltfJson file = unchanged_texture(f, texture); !file.is_null()) return file;
+  const Texels* t = texels_of(f, texture);
   if (!t) return nullptr;
   const auto at = [&](int x, int y) -> std::array<float, 4> {
     const Rgb& c = t->rgb[t->index(x, y)];
     return {c.x, texture.green_down ? 1 - c.y : c.y, c.z, 1};
   };
-  return info(f, texture, png_of(t->width, t->height, f.how.longest_texture, false, false, at));
+  return texture_info(f, texture,
+                      png_of(t->width, t->height, f.how.longest_texture, false, false, at));
 }
 
 // ---- Materials ----
@@ -238,7 +240,7 @@ GltfJson three(const Rgb& c) {
   return {c.x, c.y, c.z};
 }
 
-void put(GltfJson& out, const char* key, GltfJson&& texture) {
+void put_texture(GltfJson& out, const char* key, GltfJson&& texture) {
   if (!texture.is_null()) out[key] = std::move(texture);
 }
 
@@ -246,7 +248,7 @@ Rgb within_1(const Rgb& c) {
   return min(max(c, Rgb(0)), Rgb(1));
 }
 
-// Factors above 1, which glTF does not have, are put into the texels.
+// Moves factors above 1, which glTF does not have, into the texels.
 Material with_factors_within_1(Material m) {
   if (m.base.texture && max_component(m.base.factor) > 1)
     m.base = through(m.base, [](const Rgb& c) { return c; });
@@ -282,17 +284,17 @@ void add_layers(GltfFile& f, const Material& m, GltfJson& out) {
 }
 
 void add_emission(GltfFile& f, const Emission& e, GltfJson& out) {
-  // Texels of a file that are at most 1 pass as they are.
-  const float texel = largest(f, e.radiance), scale = texel > 1 ? texel : 1;
+  // Texels up to 1 need no scale, so that their file can be used as it is.
+  const float texel = largest_component(f, e.radiance), scale = texel > 1 ? texel : 1;
   const Rgb radiance = max(e.radiance.factor, Rgb(0)) * scale;
   const float strength = max_component(radiance);
   out["emissiveFactor"] = three(strength > 0 ? radiance / strength : Rgb(0));
   if (strength > 0 && strength != 1)
     f.extension(out, "KHR_materials_emissive_strength")["emissiveStrength"] = strength;
-  put(out, "emissiveTexture", colour(f, e.radiance, nullptr, scale));
+  put_texture(out, "emissiveTexture", colour_texture(f, e.radiance, nullptr, scale));
 }
 
-GltfJson surface(GltfFile& f, const Material& m) {
+GltfJson material_json(GltfFile& f, const Material& m) {
   GltfJson out;
   if (!m.name.empty()) out["name"] = shown(m.name, 200);
   GltfJson& pbr = out["pbrMetallicRoughness"];
@@ -300,14 +302,14 @@ GltfJson surface(GltfFile& f, const Material& m) {
   if (max_component(m.base.factor) > 1) f.lose("reflectances above 1 are taken as 1");
   const bool see_through = m.opacity.factor < 1 || m.opacity.texture;
   pbr["baseColorFactor"] = {base.x, base.y, base.z, std::clamp(m.opacity.factor, 0.0f, 1.0f)};
-  put(pbr, "baseColorTexture", colour(f, m.base, &m.opacity));
+  put_texture(pbr, "baseColorTexture", colour_texture(f, m.base, &m.opacity));
   pbr["metallicFactor"] = m.metallic;
   pbr["roughnessFactor"] = std::clamp(m.roughness.factor, 0.0f, 1.0f);
-  put(pbr, "metallicRoughnessTexture", roughness(f, m.roughness));
+  put_texture(pbr, "metallicRoughnessTexture", roughness_texture(f, m.roughness));
   if (see_through) out["alphaMode"] = "BLEND";
-  // Glass must not be, by its extension.
+  // The extension for volumes requires that solid glass has one side.
   if (!(m.transmission > 0 && m.solid)) out["doubleSided"] = true;
-  if (m.normal) put(out, "normalTexture", normal_map(f, *m.normal));
+  if (m.normal) put_texture(out, "normalTexture", normal_texture(f, *m.normal));
   if (m.tinted)
     f.lose("metals and mirrors that are darkened at all angles reflect all light at grazing ones");
   if (m.bump) f.lose("bump maps are left out");
@@ -321,12 +323,12 @@ GltfJson surface(GltfFile& f, const Material& m) {
 
 }  // namespace
 
-std::pair<size_t, bool> written_surface(GltfFile& f, size_t material,
-                                        const std::optional<Emission>& emission) {
+std::pair<size_t, bool> material_index(GltfFile& f, size_t material,
+                                       const std::optional<Emission>& emission) {
   const auto it = f.dark_surfaces.find(material);
   if (!emission && it != f.dark_surfaces.end()) return it->second;
   f.is_textured = false;
-  GltfJson out = surface(f, with_factors_within_1(f.scene.materials[material]));
+  GltfJson out = material_json(f, with_factors_within_1(f.scene.materials[material]));
   if (emission) {
     add_emission(f, *emission, out);
     if (emission->both_sides)

@@ -24,7 +24,7 @@ std::string text_of(const GltfJson& json) {
 
 constexpr int kFloat = 5126, kShort = 5123, kInt = 5125, kVertices = 34962, kIndices = 34963;
 
-// The index of an accessor of `count` elements.
+// Adds an accessor of `count` elements; its index.
 template <class T>
 size_t add_accessor(GltfFile& f, const std::vector<T>& values, int component, size_t count,
                     const char* type) {
@@ -87,8 +87,8 @@ namespace {
 
 // ---- The frame ----
 
-// Mirrors the scene along x if its first camera is mirrored, and turns `up` to +y. By the camera:
-// the axis that is nearest to what is up in its picture.
+// The frame that mirrors the scene along x if its first camera is mirrored, and turns `up` to +y.
+// "auto" takes the axis that is nearest to what is up in the camera's picture.
 Frame frame_of(const Described& scene, const std::string& up) {
   Frame frame;
   if (up != "auto") frame.up = up;
@@ -102,7 +102,7 @@ Frame frame_of(const Described& scene, const std::string& up) {
       frame.downwards = (frame.up == "y" ? y.y : frame.up == "z" ? y.z : y.x) < 0;
     }
   }
-  // Rotations that take the axis to +y and keep one of the others.
+  // These rotations take the axis to +y and keep one of the others.
   Affine turn;
   if (frame.up == "z") turn = {{1, 0, 0}, {0, 0, -1}, {0, 1, 0}, {}};
   if (frame.up == "x") turn = {{0, 1, 0}, {-1, 0, 0}, {0, 0, 1}, {}};
@@ -118,7 +118,7 @@ GltfJson three(const Vec3d& v) {
   return {v.x, v.y, v.z};
 }
 
-// Of a rotation: x, y, z, w, of length 1.
+// The unit quaternion x, y, z, w of a rotation.
 std::array<double, 4> quaternion_of(const Affine& r) {
   const double trace = r.x.x + r.y.y + r.z.z;
   std::array<double, 4> q;
@@ -136,7 +136,7 @@ std::array<double, 4> quaternion_of(const Affine& r) {
   return q;
 }
 
-// Translation, rotation and scale; false: the map shears or flattens.
+// Writes translation, rotation and scale; returns false if the map shears or flattens.
 bool put_trs(const Affine& m, GltfJson& node) {
   Vec3d scale{length(m.x), length(m.y), length(m.z)};
   if (!(scale.x > 0 && scale.y > 0 && scale.z > 0)) return false;
@@ -152,7 +152,7 @@ bool put_trs(const Affine& m, GltfJson& node) {
   return true;
 }
 
-// The mesh itself placed, for maps that a node cannot have.
+// Applies to a mesh a map that a node cannot have.
 Mesh baked(const Mesh& mesh, const Affine& m) {
   Mesh out = mesh;
   for (Vec3f& p : out.positions) p = in_single(m.point(in_double(p)));
@@ -187,7 +187,7 @@ void add_camera(GltfFile& f, const Camera& camera) {
         focal / (2 * camera.lens_radius), camera.focus_distance));
   }
   if (camera.shift_x != 0 || camera.shift_y != 0) f.lose("the shift of the camera is left out");
-  // Exactly at right angles: y is kept up in the picture.
+  // Makes the axes exactly perpendicular; y stays up in the picture.
   const Vec3d z = normalize(m.z), x = normalize(cross(m.y, z));
   GltfJson node = {{"name", shown(camera.name, 200)}, {"camera", index}};
   put_trs({x, cross(z, x), z, m.t}, node);
@@ -222,9 +222,9 @@ void add_lamp(GltfFile& f, const Lamp& lamp) {
   add_node(f, std::move(node));
 }
 
-// `number`: shapes with the same one have the same mesh.
+// The index of a shape's mesh in glTF. Shapes with the same `number` have the same `mesh`.
 size_t mesh_of(GltfFile& f, const Shape& shape, const Mesh& mesh, size_t number) {
-  const auto [material, is_textured] = written_surface(f, shape.material, shape.emission);
+  const auto [material, is_textured] = material_index(f, shape.material, shape.emission);
   const std::array<size_t, 3> key{number, material, shape.turned};
   if (const auto it = f.meshes.find(key); it != f.meshes.end()) return it->second;
   enum Attribute : size_t { kPosition, kNormal, kTexcoord, kIndex };
@@ -280,7 +280,8 @@ void add_shape(GltfFile& f, const Shape& shape) {
   if (shape.emission) f.out.emitters += mesh.triangles.size();
 }
 
-// Fronts face the first camera. Where the source says otherwise, light may pass both ways.
+// Turns the fronts of portals to the first camera. Light passes both ways through a portal whose
+// front was on the other side in the source.
 void add_portals(GltfFile& f) {
   PortalFile file;
   file.provenance = f.how.provenance;
@@ -339,7 +340,7 @@ std::string glb_of(GltfFile& f) {
 
 }  // namespace
 
-Written written(const Described& scene, const Writing& writing, Source& source) {
+GltfOutput write_gltf(const Described& scene, const GltfOptions& writing, Source& source) {
   GltfFile f{scene, writing, source};
   f.out.frame = frame_of(scene, writing.up);
   GltfJson& root = f.root;

@@ -43,7 +43,7 @@ Described room(const Affine& to_world) {
 }
 
 struct Result {
-  Written written;
+  GltfOutput written;
   tdpt::Scene scene;
   nlohmann::json json;
   std::vector<std::string> losses;
@@ -52,12 +52,12 @@ struct Result {
 Result write(const Described& d, const std::string& up = "auto", int longest = 0) {
   const testing::TempFolder folder;
   Source source(folder.write("scene.xml", ""));
-  Writing how;
+  GltfOptions how;
   how.up = up;
   how.environment = "room.environment";
   how.format = "Mitsuba";
   how.longest_texture = longest;
-  Result r{written(d, how, source), {}, {}, {}};
+  Result r{write_gltf(d, how, source), {}, {}, {}};
   for (const auto& loss : source.losses()) r.losses.push_back(loss.sentence);
   uint32_t length;
   std::memcpy(&length, r.written.glb.data() + 12, 4);
