@@ -158,4 +158,9 @@ Texels decode(std::string_view bytes, const std::string& name) {
   return decode_8bit(bytes, name);
 }
 
+Texels decode(const Image& image, const Source& source) {
+  if (image.texels.empty()) return decode(image.bytes, source.shown_name(image.name));
+  return {image.width, image.height, false, image.texels, {}};
+}
+
 }  // namespace tdpt::foreign

@@ -189,10 +189,6 @@ class Turned {
   double column_ = 0;       // where the outline is, without a seam
 };
 
-bool is_near(const Vec3d& a, const Vec3d& b) {
-  return length(a - b) < 1e-6;
-}
-
 }  // namespace
 
 void add_sky(GltfFile& f, GltfJson& extras) {
@@ -202,8 +198,7 @@ void add_sky(GltfFile& f, GltfJson& extras) {
   if (!sky.image) return one_colour(sky.colour);
   const Image& image = f.scene.images[*sky.image];
   const std::string file = f.source.shown_name(image.name);
-  Texels t = image.texels.empty() ? decode(image.bytes, file)
-                                  : Texels{image.width, image.height, false, image.texels, {}};
+  Texels t = decode(image, f.source);
   if (t.is_8bit && sky.srgb)
     for (Rgb& c : t.rgb) c = linear_of(c);
   if (sky.layout == Sky::Layout::octahedral && t.width != t.height)
@@ -227,7 +222,7 @@ void add_sky(GltfFile& f, GltfJson& extras) {
 
   const Affine to_map = sky.to_map * f.out.frame.to_gltf.transposed();
   const bool grey = sky.colour.x == sky.colour.y && sky.colour.y == sky.colour.z;
-  const bool turned = is_near(to_map.y, {0, 1, 0}) && !to_map.mirrors();
+  const bool turned = length(to_map.y - Vec3d(0, 1, 0)) < 1e-6 && !to_map.mirrors();
   const bool plain = sky.layout == Sky::Layout::latlong && t.width == 2 * t.height &&
                      t.width <= kWidest && !negative;
   const bool exr = image.bytes.starts_with("\x76\x2f\x31\x01"), hdr = is_radiance_hdr(image.bytes);

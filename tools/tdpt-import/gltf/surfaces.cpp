@@ -89,28 +89,20 @@ bool is_jpeg(const std::string& bytes) {
 }
 
 const Texels* texels_of(GltfFile& f, const Texture& texture) {
-  auto it = f.decoded.find(texture.image);
-  if (it == f.decoded.end()) {
-    const Image& image = f.scene.images[texture.image];
-    Texels t;
-    if (!image.texels.empty()) {
-      t = {image.width, image.height, false, image.texels, {}};
-    } else {
-      try {
-        t = decode(image.bytes, f.source.shown_name(image.name));
-      } catch (const InputError& e) {
-        f.lose(std::string("a picture is left out: ") + e.what());
-      }
+  const auto [it, is_new] = f.decoded.try_emplace(texture.image);
+  Texels& t = it->second;
+  if (is_new) {
+    try {
+      t = decode(f.scene.images[texture.image], f.source);
+    } catch (const InputError& e) {
+      f.lose(std::string("a picture is left out: ") + e.what());
     }
-    const auto is_value = [](const Rgb& c) { return is_finite(c) && max_component(c) <= 1e30f; };
-    if (!std::all_of(t.rgb.begin(), t.rgb.end(), is_value)) {
-      for (Rgb& c : t.rgb)
-        if (!is_value(c)) c = Rgb(0);
-      f.lose("texels that are not finite or above 1e30 become 0");
-    }
-    it = f.decoded.emplace(texture.image, std::move(t)).first;
+    bool is_mended = false;
+    for (Rgb& c : t.rgb)
+      if (!is_finite(c) || !(max_component(c) <= 1e30f)) c = Rgb(0), is_mended = true;
+    if (is_mended) f.lose("texels that are not finite or above 1e30 become 0");
   }
-  return it->second.rgb.empty() ? nullptr : &it->second;
+  return t.rgb.empty() ? nullptr : &t;
 }
 
 // KHR_texture_transform of a texture; empty for the identity.

@@ -62,6 +62,17 @@ Vec3d Element::three(const std::string& which) const {
   return {all[0], all[1], all[2]};
 }
 
+Vec3d Element::xyz(double otherwise) const {
+  const auto at = [&](const char* axis) {
+    return optional(axis).empty() ? otherwise : finite(attribute(axis));
+  };
+  if (optional("value").empty()) return {at("x"), at("y"), at("z")};
+  if (!(optional("x") + optional("y") + optional("z")).empty())
+    fail("both \"value\" and \"x\", \"y\" or \"z\"");
+  const auto all = numbers();
+  return all.size() == 1 ? Vec3d(all[0]) : three();
+}
+
 std::string Element::described() const {
   return fmt::format("{} \"{}\"", tag, shown(type, 40));
 }
@@ -116,10 +127,7 @@ std::string Element::needed_text(const std::string& child) const {
 
 std::optional<Vec3d> Element::vector(const std::string& child) const {
   const Element* v = find(child, "point vector");
-  if (!v) return {};
-  if (v->attributes.contains("value")) return v->three();
-  const auto at = [&](const char* axis) { return v->finite(v->attribute(axis)); };
-  return Vec3d{at("x"), at("y"), at("z")};
+  return v ? std::optional(v->xyz(0)) : std::nullopt;
 }
 
 Affine Element::transform(const std::string& child) const {
@@ -152,20 +160,8 @@ void Element::ignore_all() const {
 
 namespace {
 
-// Reads x, y and z, or a value of one or three numbers.
-Vec3d vector_of(const Element& step, double otherwise) {
-  const auto has = [&](const char* name) { return !step.optional(name).empty(); };
-  const auto at = [&](const char* axis) {
-    return has(axis) ? step.finite(step.attribute(axis)) : otherwise;
-  };
-  if (!has("value")) return {at("x"), at("y"), at("z")};
-  if (has("x") || has("y") || has("z")) step.fail("both \"value\" and \"x\", \"y\" or \"z\"");
-  const auto all = step.numbers();
-  return all.size() == 1 ? Vec3d(all[0]) : step.three();
-}
-
 Affine rotation(const Element& step) {
-  const Vec3d axis = vector_of(step, 0);
+  const Vec3d axis = step.xyz(0);
   const double half = step.finite(step.attribute("angle")) * std::numbers::pi / 360,
                l = length(axis);
   if (!(l > 0)) step.fail("a rotation about an axis of length 0");
@@ -201,12 +197,12 @@ Affine matrix(const Element& step) {
 }  // namespace
 
 std::optional<Affine> map_of_step(const Element& step) {
-  if (step.tag == "translate") return Affine{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, vector_of(step, 0)};
+  if (step.tag == "translate") return Affine{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, step.xyz(0)};
   if (step.tag == "rotate") return rotation(step);
   if (is_one_of(step.tag, "lookat lookAt look_at")) return look_at(step);
   if (step.tag == "matrix") return matrix(step);
   if (step.tag != "scale") return {};
-  const Vec3d s = vector_of(step, 1);
+  const Vec3d s = step.xyz(1);
   return Affine{{s.x, 0, 0}, {0, s.y, 0}, {0, 0, s.z}, {}};
 }
 

@@ -116,14 +116,13 @@ void add_lamp(Context& in, const Element& e) {
   lamp.name = e.id.empty() ? e.type : e.id;
   lamp.intensity = plain_colour(in, e, e.type == "directional" ? "irradiance" : "intensity", Rgb(1),
                                 Role::light);
-  const auto map = [&] { return e.transform("to_world"); };
+  const Affine map = e.transform("to_world");
+  lamp.at = map.t;
   if (e.type == "point") {
-    lamp.at = map().t;
-    lamp.at = e.vector("position").value_or(lamp.at);
+    lamp.at = e.vector("position").value_or(map.t);
   } else if (e.type == "spot") {
     lamp.kind = Lamp::Kind::spot;
-    lamp.at = map().t;
-    lamp.towards = axes_of(map(), e.place).z;
+    lamp.towards = axes_of(map, e.place).z;
     const double outer = e.number("cutoff_angle", 20), inner = e.number("beam_width", outer * 0.75);
     if (!(outer > 0 && outer <= 180 && inner >= 0 && inner <= outer))
       e.fail(fmt::format("a spot of beam_width {} and cutoff_angle {}", inner, outer));
@@ -136,7 +135,7 @@ void add_lamp(Context& in, const Element& e) {
   } else {
     lamp.kind = Lamp::Kind::sun;
     const auto direction = e.vector("direction");
-    lamp.towards = direction ? *direction : axes_of(map(), e.place).z;
+    lamp.towards = direction ? *direction : axes_of(map, e.place).z;
     if (!(length(lamp.towards) > 0)) e.fail("a direction of length 0");
   }
   in.scene.lamps.push_back(lamp);

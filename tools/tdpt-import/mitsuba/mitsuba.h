@@ -43,6 +43,8 @@ struct Element {
   const std::string& attribute(const std::string& attribute = "value") const;
   /// The same; empty if there is none.
   std::string optional(const std::string& attribute) const;
+  /// The attributes x, y and z, `otherwise` where one lacks, or a value of one or three numbers.
+  Vec3d xyz(double otherwise) const;
   std::vector<double> numbers(const std::string& attribute = "value") const;
   Vec3d three(const std::string& attribute = "value") const;
 
@@ -102,7 +104,7 @@ struct Surface {
 struct Context {
   Described& scene;
   std::map<std::string, size_t> images{}, meshes{};
-  std::map<std::tuple<const Element*, Role, bool>, Colour> textures{};
+  std::map<std::pair<const Element*, Role>, Colour> textures{};
   std::map<std::pair<const Element*, const Element*>, Surface> surfaces{};  ///< of bsdf and medium
   std::map<std::string, size_t> default_materials{};
   std::set<size_t> meshes_with_normals{};  ///< in their files
@@ -127,8 +129,8 @@ Number number(Context& in, const Element& object, const std::string& name, doubl
 Rgb plain_colour(Context& in, const Element& object, const std::string& name, const Rgb& otherwise,
                  Role role = Role::surface);
 double plain_number(Context& in, const Element& object, const std::string& name, double otherwise);
-/// A texture object itself. `raw`: 8-bit files without a gamma of their own are numbers.
-Colour texture(Context& in, const Element& object, Role role, bool raw = false);
+/// The colour of a texture object.
+Colour texture(Context& in, const Element& object, Role role);
 /// Index of the image in the file that an object's "filename" names.
 size_t image(Context& in, const Element& object);
 

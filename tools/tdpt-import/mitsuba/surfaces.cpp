@@ -38,7 +38,7 @@ double ior(const Element& bsdf, const char* name, const char* otherwise) {
 }
 
 double relative_ior(const Element& bsdf, const char* inside) {
-  if (bsdf.find("eta") && !bsdf.find("int_ior")) return bsdf.number("eta", 1);
+  if (bsdf.find("eta") && !bsdf.find("int_ior")) return ior(bsdf, "eta", "air");
   return ior(bsdf, "int_ior", inside) / ior(bsdf, "ext_ior", "air");
 }
 
@@ -49,7 +49,7 @@ void lose_reflectance(Context& in, const Element& bsdf) {
 
 // The roughness alpha; 0 for the types of smooth surfaces.
 Number alpha(Context& in, const Element& bsdf) {
-  if (!bsdf.type.starts_with("rough")) return {0.0f, {}, {}};
+  if (!bsdf.type.starts_with("rough")) return {0.0f};
   const std::string distribution = bsdf.text("distribution", "beckmann");
   if (distribution != "ggx")
     bsdf.lose(fmt::format("microfacets of type \"{}\" become GGX", shown(distribution, 40)));
@@ -57,7 +57,7 @@ Number alpha(Context& in, const Element& bsdf) {
   const double u = plain_number(in, bsdf, "alpha_u", 0.1),
                v = plain_number(in, bsdf, "alpha_v", 0.1);
   if (u != v) bsdf.lose("anisotropic roughness becomes isotropic");
-  return {single(std::sqrt(std::max(0.0, u * v))), {}, {}};
+  return {single(std::sqrt(std::max(0.0, u * v)))};
 }
 
 Bsdf read_nested(Context& in, const Element& bsdf) {
@@ -156,23 +156,23 @@ Bsdf read_mask(Context& in, const Element& bsdf) {
   return out;
 }
 
-Bsdf read_bump(Context& in, const Element& bsdf) {
+Bsdf read_normal_map(Context& in, const Element& bsdf) {
   Bsdf out = read_nested(in, bsdf);
   const auto maps = bsdf.nested("texture");
   if (maps.empty()) bsdf.fail(fmt::format("the {} has no texture in it", bsdf.described()));
   bsdf.ignore("flip_invalid_normals use_shadowing_function");  // of normals seen from behind
-  // 0.x reads bitmaps of these as numbers.
-  const Colour c = texture(in, *maps[0], Role::surface, bsdf.old);
+  const Colour c = texture(in, *maps[0], Role::surface);
   if (!c.texture) return out;
-  if (bsdf.type == "normalmap") {
-    const Image& image = in.scene.images[c.texture->image];
-    if (image.bytes.empty() || bsdf.source->has(image.name, bsdf.place))  // a stand-in is no normal
-      out.material.normal = c.texture;
-  } else {
-    out.material.bump = c.texture;
-    out.material.bump_scale = mean(c.factor) * bsdf.number("scale", 1);
-  }
+  const Image& image = in.scene.images[c.texture->image];
+  if (image.bytes.empty() || bsdf.source->has(image.name, bsdf.place))  // a stand-in is no normal
+    out.material.normal = c.texture;
   return out;
+}
+
+Bsdf read_bump(Context& in, const Element& bsdf) {
+  bsdf.lose("bump maps are left out");
+  bsdf.ignore_all();
+  return read_nested(in, bsdf);
 }
 
 // A mixture becomes its heaviest part.
@@ -229,7 +229,7 @@ Bsdf read_coating(Context& in, const Element& bsdf) {
 }
 
 Bsdf read_null(Context&, const Element&) {
-  Bsdf out{diffuse({Rgb(0), {}, {}})};
+  Bsdf out{diffuse({Rgb(0)})};
   out.material.invisible = true;
   out.opaque = false;
   return out;
@@ -253,7 +253,7 @@ Bsdf read_principled(Context& in, const Element& bsdf) {
   Material& m = out.material;
   // Thin sheets have an interface only where they transmit.
   m = burley(base, n, roughness, metallic, thin ? transmission : 1);
-  const Number square{roughness.factor * roughness.factor, roughness.texture, {}};
+  const Number square{roughness.factor * roughness.factor, roughness.texture};
   const bool is_glass = transmission == 1 && metallic == 0;
   if (is_glass)  // a body colours by the root at each side
     m.base = thin ? base : through(base, [](float c) { return std::sqrt(c); });
@@ -287,7 +287,8 @@ Bsdf read_bsdf(Context& in, const Element& bsdf) {
       {"conductor roughconductor", read_conductor},
       {"dielectric roughdielectric thindielectric", read_dielectric},
       {"mask", read_mask},
-      {"bumpmap bump normalmap", read_bump},
+      {"bumpmap bump", read_bump},
+      {"normalmap", read_normal_map},
       {"blendbsdf mixturebsdf", read_mixture},
       {"coating roughcoating", read_coating},
       {"null", read_null},

@@ -141,10 +141,6 @@ Rgb colour_of(const Element& value, Role role) {
 
 // ---- Textures ----
 
-Colour without_texture(const Rgb& c) {
-  return {c, {}, {}};
-}
-
 // The map of texture coordinates. v = 0 is the top row of an image in Mitsuba and in glTF.
 std::array<double, 6> uv_map(const Element& texture) {
   std::array<double, 6> map{1, 0, 0, 0, 1, 0};
@@ -168,7 +164,7 @@ Texture::Wrap wrap_of(const Element& texture, const std::string& mode) {
   return Texture::Wrap::clamp;
 }
 
-Colour read_bitmap(Context& in, const Element& texture, bool raw) {
+Colour read_bitmap(Context& in, const Element& texture) {
   Texture t;
   t.image = image(in, texture);
   t.map = uv_map(texture);
@@ -177,7 +173,7 @@ Colour read_bitmap(Context& in, const Element& texture, bool raw) {
   t.wrap_u = wrap_of(texture, texture.text("wrap_mode_u", mode));
   t.wrap_v = wrap_of(texture, texture.text("wrap_mode_v", mode));
   // A gamma of 0 means that of the file.
-  const double gamma = texture.number("gamma", texture.old && raw ? 1 : 0);
+  const double gamma = texture.number("gamma", 0);
   t.srgb = gamma != 1 && !texture.flag("raw", false);
   if (gamma != 0 && gamma != 1 && gamma != -1)
     texture.lose(fmt::format("a gamma of {:g} becomes that of sRGB", gamma));
@@ -187,7 +183,7 @@ Colour read_bitmap(Context& in, const Element& texture, bool raw) {
     texture.lose(fmt::format("of the picture's channel \"{}\" all three colours are taken",
                              shown(channel, 40)));
   texture.ignore("cache max_anisotropy accel format");  // how it is kept and filtered
-  return {Rgb(1), t, {}};
+  return {Rgb(1), t};
 }
 
 Colour read_checkerboard(Context& in, const Element& texture) {
@@ -198,7 +194,7 @@ Colour read_checkerboard(Context& in, const Element& texture) {
   t.image = in.scene.images.size() - 1;
   t.nearest = true;
   t.map = uv_map(texture);
-  return {Rgb(1), t, {}};
+  return {Rgb(1), t};
 }
 
 // Reads a spectrum from a list of wavelengths and a list of values.
@@ -209,19 +205,19 @@ Colour read_irregular(const Element& texture, Role role) {
     texture.fail(fmt::format("{} wavelengths and {} values", nm.size(), values.size()));
   std::vector<std::string> pairs;
   for (size_t i = 0; i < nm.size(); ++i) pairs.insert(pairs.end(), {nm[i], values[i]});
-  return without_texture(sampled_colour(pairs, *texture.find("values"), role));
+  return {sampled_colour(pairs, *texture.find("values"), role)};
 }
 
-Colour read_texture(Context& in, const Element& texture, Role role, bool raw) {
+Colour read_texture(Context& in, const Element& texture, Role role) {
   const std::string& type = texture.type;
   texture.ignore("wavelength_min wavelength_max lambda_min lambda_max");  // of what is visible
   // The nested texture, or the value of that name if there is none.
   const auto inner = [&](const std::string& name) {
     const auto nested = texture.nested("texture");
     return nested.empty() ? colour(in, texture, name, Rgb(1), role)
-                          : mitsuba::texture(in, *nested[0], role, raw);
+                          : mitsuba::texture(in, *nested[0], role);
   };
-  if (is_one_of(type, "bitmap ldrtexture")) return read_bitmap(in, texture, raw);
+  if (is_one_of(type, "bitmap ldrtexture")) return read_bitmap(in, texture);
   if (type == "checkerboard") return read_checkerboard(in, texture);
   if (is_one_of(type, "scale uniform rawconstant d65")) {
     const Rgb scale = plain_colour(in, texture, "scale", Rgb(1), role);
@@ -235,11 +231,11 @@ Colour read_texture(Context& in, const Element& texture, Role role, bool raw) {
   }
   if (type == "irregular" && texture.find("wavelengths")) return read_irregular(texture, role);
   if (type == "blackbody" && texture.find("temperature"))
-    return without_texture(blackbody_colour(texture.number("temperature", 0), texture));
+    return {blackbody_colour(texture.number("temperature", 0), texture)};
   texture.lose(fmt::format("textures of type \"{}\" are not read: grey of 0.5 in their place",
                            shown(type, 40)));
   texture.ignore_all();
-  return without_texture(Rgb(0.5f));
+  return {Rgb(0.5f)};
 }
 
 }  // namespace
@@ -254,8 +250,8 @@ bool is_grey(const Rgb& c) {
 Colour colour(Context& in, const Element& object, const std::string& name, const Rgb& otherwise,
               Role role) {
   const Element* v = object.find(name);
-  if (!v) return without_texture(otherwise);
-  if (is_colour(*v)) return without_texture(colour_of(*v, role));
+  if (!v) return Colour{otherwise};
+  if (is_colour(*v)) return {colour_of(*v, role)};
   if (v->tag == "texture") return texture(in, *v->object, role);
   v->fail(fmt::format("\"{}\" is a {}, expected a colour or texture", name, shown(v->tag, 40)));
 }
@@ -280,10 +276,10 @@ double plain_number(Context& in, const Element& object, const std::string& name,
   return mean(plain_colour(in, object, name, Rgb(single(otherwise))));
 }
 
-Colour texture(Context& in, const Element& object, Role role, bool raw) {
-  const auto key = std::tuple{&object, role, raw};
+Colour texture(Context& in, const Element& object, Role role) {
+  const auto key = std::pair{&object, role};
   if (const auto it = in.textures.find(key); it != in.textures.end()) return it->second;
-  return in.textures[key] = read_texture(in, object, role, raw);
+  return in.textures[key] = read_texture(in, object, role);
 }
 
 size_t image(Context& in, const Element& object) {

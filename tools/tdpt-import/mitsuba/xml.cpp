@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <pugixml.hpp>
 #include <unordered_map>
 
@@ -79,11 +78,7 @@ class Parser {
     take(text.size(), place);
     const size_t left = text.find('$');
     if (left == text.npos) return text;
-    size_t end = left + 1;
-    while (end < text.size() &&
-           (std::isalnum(static_cast<unsigned char>(text[end])) || text[end] == '_'))
-      ++end;
-    Source::fail(place, "\"" + shown(text.substr(left, end - left), 60) +
+    Source::fail(place, "\"" + shown(text.substr(left), 60) +
                             "\" has no value: neither a default nor --define gives it one");
   }
 
