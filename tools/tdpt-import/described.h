@@ -28,8 +28,9 @@ struct Mesh {
 
 /// A picture: a file in one of the formats that images.h decodes, or texels of the reader's own.
 struct Image {
-  std::string name;     ///< of the file, relative to the scene's folder, or a word for made ones
-  std::string bytes{};  ///< of the file, unless there are `texels`
+  std::string
+      name;  ///< its file, relative to the scene's folder, or a word for an image without one
+  std::string bytes{};  ///< the file's bytes, unless there are `texels`
   int width = 0, height = 0;
   std::vector<Rgb> texels{};  ///< linear, row by row from the top left
 };
@@ -47,7 +48,7 @@ struct Texture {
   /// Image coordinates (u', v') = (m[0] u + m[1] v + m[2], m[3] u + m[4] v + m[5]) of those of the
   /// mesh, both as in glTF. Must be a rotation after a scale, else gltf/ names it as lost.
   std::array<double, 6> map{1, 0, 0, 0, 1, 0};
-  bool green_down = false;  ///< of a normal map: its +Y is down in the image
+  bool green_down = false;  ///< +Y of the normal map is down in the image
 };
 
 /// A factor times an optional texture, whose texels first pass through `curve`, if there is one.
@@ -116,9 +117,10 @@ struct Lamp {
   enum class Kind { point, spot, sun } kind = Kind::point;
   std::string name;
   Vec3d at{},
-      towards{0, 0, -1};        ///< position; direction of a spot and of a sun's light, any length
-  Rgb intensity{};              ///< W/sr; of a sun irradiance across its light [W/m2]
-  double inner = 0, outer = 0;  ///< of a spot: half angles of the full and of any intensity
+      towards{0, 0, -1};  ///< position; direction of a spot and of a sun's light, any length
+  Rgb intensity{};        ///< W/sr; of a sun irradiance across its light [W/m2]
+  double inner = 0,
+         outer = 0;  ///< half angles of the cones in which a spot has its full and any intensity
 };
 
 /// Light from all directions.
@@ -149,9 +151,9 @@ struct Described {
 /// Reads a scene of Mitsuba 0.4 to 0.6, 2 and 3 (XML). `parameters` replace `$name` and the scene's
 /// own defaults. Readers throw InputError.
 Described read_mitsuba(Source& source, const std::map<std::string, std::string>& parameters);
-/// Of pbrt-v3 and pbrt-v4: the version is told from the scene's directives and materials.
+/// Reads a scene of pbrt-v3 or pbrt-v4; its directives and materials tell the version.
 Described read_pbrt(Source& source);
-/// Of Tungsten (JSON).
+/// Reads a scene of Tungsten (JSON).
 Described read_tungsten(Source& source);
 
 }  // namespace tdpt::foreign

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <memory>
+#include <sstream>
 
 #include <fmt/format.h>
 
@@ -12,26 +12,12 @@
 #define STBI_NO_STDIO
 #define STBI_NO_HDR
 #define STBI_MAX_DIMENSIONS 65536
-#if defined(__GNUC__)
-#pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wall"
-#pragma GCC diagnostic ignored "-Wextra"
-#pragma GCC diagnostic ignored "-Wunused-function"
-#pragma GCC diagnostic ignored "-Wconversion"
-#pragma GCC diagnostic ignored "-Wsign-conversion"
-#pragma GCC diagnostic ignored "-Wshadow"
-#pragma GCC diagnostic ignored "-Wduplicated-branches"
-#pragma GCC diagnostic ignored "-Wuseless-cast"
-#pragma GCC diagnostic ignored "-Wold-style-cast"
-#endif
 #include <stb/stb_image.h>
-#if defined(__GNUC__)
-#pragma GCC diagnostic pop
-#endif
 
 #include "libcommon/base/error.h"
 #include "libcommon/formats/picture.h"
 #include "libcommon/scene/texture.h"
+#include "tools/tdpt-import/meshes/meshes.h"
 
 namespace tdpt::foreign {
 namespace {
@@ -52,43 +38,25 @@ Texels of_picture(Picture&& picture) {
 // byte order, then rows from the bottom.
 Texels decode_pfm(std::string_view bytes, const std::string& name) {
   const bool colour = bytes[1] == 'F';
-  size_t at = 2;
-  double header[3];
-  for (double& value : header) {
-    while (at < bytes.size() && std::isspace(static_cast<unsigned char>(bytes[at]))) ++at;
-    const size_t from = at;
-    while (at < bytes.size() && !std::isspace(static_cast<unsigned char>(bytes[at]))) ++at;
-    if (from == at || at - from > 32) fail(name, "the header of the PFM is cut short");
-    char* end = nullptr;
-    const std::string word(bytes.substr(from, at - from));
-    value = std::strtod(word.c_str(), &end);
-    if (end == word.c_str() || *end || !std::isfinite(value))
-      fail(name, "the header of the PFM has \"" + word + "\" for a number");
-  }
-  ++at;
-  const double w = header[0], h = header[1];
+  std::istringstream header(std::string(bytes.substr(2, 100)));
+  double w = 0, h = 0, scale = 0;
+  if (!(header >> w >> h >> scale) || header.eof()) fail(name, "the header of the PFM is damaged");
+  const size_t at = 2 + static_cast<size_t>(header.tellg()) + 1;
   if (!(w >= 1 && h >= 1 && w <= kMostSide && h <= kMostSide && w * h <= kMostTexels))
     fail(name, fmt::format("is {} x {} texels, expected 1 to {} a side", w, h, kMostSide));
   Texels t{static_cast<int>(w), static_cast<int>(h), false, {}, {}};
   const size_t channels = colour ? 3 : 1, count = static_cast<size_t>(w * h);
   if (at > bytes.size() || (bytes.size() - at) / 4 / channels < count)
     fail(name, "the PFM is cut short");
-  const bool swap = header[2] > 0;
   const auto value = [&](size_t i) {
-    unsigned char b[4];
-    for (size_t k = 0; k < 4; ++k)
-      b[k] = static_cast<unsigned char>(bytes[at + 4 * i + (swap ? 3 - k : k)]);
-    float f;
-    std::memcpy(&f, b, 4);
-    return f;
+    return value_at<float>(bytes.data() + at + 4 * i,
+                           scale > 0 ? std::endian::big : std::endian::little);
   };
-  t.rgb.resize(count);
-  const auto width = static_cast<size_t>(t.width);
-  for (size_t i = 0; i < count; ++i) {
-    const size_t row = static_cast<size_t>(t.height) - 1 - i / width;
-    const size_t from = (row * width + i % width) * channels;
-    t.rgb[i] = colour ? Rgb(value(from), value(from + 1), value(from + 2)) : Rgb(value(from));
-  }
+  for (int y = t.height - 1; y >= 0; --y)
+    for (int x = 0; x < t.width; ++x) {
+      const size_t i = t.index(x, y) * channels;
+      t.rgb.push_back(colour ? Rgb(value(i), value(i + 1), value(i + 2)) : Rgb(value(i)));
+    }
   return t;
 }
 
@@ -188,6 +156,11 @@ Texels decode(std::string_view bytes, const std::string& name) {
     return of_picture(parse_radiance_hdr(bytes, name, kMostSide, kMostSide));
   if (bytes[0] == 'P' && (bytes[1] == 'F' || bytes[1] == 'f')) return decode_pfm(bytes, name);
   return decode_8bit(bytes, name);
+}
+
+Texels decode(const Image& image, const Source& source) {
+  if (image.texels.empty()) return decode(image.bytes, source.shown_name(image.name));
+  return {image.width, image.height, false, image.texels, {}};
 }
 
 }  // namespace tdpt::foreign

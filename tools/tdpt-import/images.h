@@ -21,6 +21,8 @@ struct Texels {
 
 /// Decodes PNG, JPEG, TGA, BMP, PNM, PSD, GIF, Radiance .hdr, PFM and OpenEXR. Throws InputError.
 Texels decode(std::string_view bytes, const std::string& name);
+/// The texels of an image, decoded from its file if it has one.
+Texels decode(const Image& image, const Source& source);
 
 /// A colour of an 8-bit file, 0..1, decoded from sRGB.
 Rgb linear_of(const Rgb& coded);

@@ -200,7 +200,7 @@ TEST(Images, PfmRowsGoUpwards) {
 TEST(Images, ErrorsAreOneLine) {
   EXPECT_EQ(complaint([] { decode("PF\n2 2\n-1\n123", "a.pfm"); }), "a.pfm: the PFM is cut short");
   EXPECT_EQ(complaint([] { decode("PF\nx 2\n-1\n", "a.pfm"); }),
-            "a.pfm: the header of the PFM has \"x\" for a number");
+            "a.pfm: the header of the PFM is damaged");
   EXPECT_EQ(complaint([] { decode("PF\n99999 2\n-1\n", "a.pfm"); }),
             "a.pfm: is 99999 x 2 texels, expected 1 to 16384 a side");
   EXPECT_EQ(complaint([] { decode("abc", "a.png"); }), "a.png: is no picture");

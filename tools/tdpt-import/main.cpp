@@ -9,7 +9,7 @@
 #include "libcommon/base/words.h"
 #include "libcommon/cli/cli.h"
 #include "tools/tdpt-import/described.h"
-#include "tools/tdpt-import/gltf/writer.h"
+#include "tools/tdpt-import/gltf/gltf.h"
 
 namespace tdpt {
 namespace {
@@ -49,28 +49,26 @@ void declare_options(cli::Options& options, ImportOptions& a) {
 using Parameters = std::map<std::string, std::string>;
 
 struct Format {
-  const char *name, *suffix;
+  const char *name, *suffix, *begins;  // what the text begins with, for files of other suffixes
   foreign::Described (*read)(foreign::Source&, const Parameters&);
 };
-constexpr Format kTungsten{"Tungsten", ".json",
-                           [](auto& source, auto&) { return foreign::read_tungsten(source); }};
-constexpr Format kMitsuba{"Mitsuba", ".xml", foreign::read_mitsuba};
-constexpr Format kPbrt{"pbrt", ".pbrt",
-                       [](auto& source, auto&) { return foreign::read_pbrt(source); }};
+constexpr Format kFormats[] = {
+    {"Tungsten", ".json", "{", [](auto& source, auto&) { return foreign::read_tungsten(source); }},
+    {"Mitsuba", ".xml", "<", foreign::read_mitsuba},
+    {"pbrt", ".pbrt", nullptr, [](auto& source, auto&) { return foreign::read_pbrt(source); }}};
 
 const Format& format_of(const std::string& path, const std::string& text) {
   const std::string suffix = std::filesystem::path(path).extension().string();
   if (suffix == ".gltf" || text.starts_with("glTF"))
     throw InputError(display_name(path), "", "is a glTF scene already: give it to tdpt as it is");
-  for (const Format* f : {&kTungsten, &kMitsuba, &kPbrt})
-    if (suffix == f->suffix) return *f;
-  const size_t first = text.find_first_not_of(" \t\r\n");
-  if (first != text.npos && text[first] == '<') return kMitsuba;
-  if (first != text.npos && text[first] == '{') return kTungsten;
-  if (text.find("WorldBegin") == text.npos)
-    throw InputError(display_name(path), "",
-                     "is no scene of Tungsten (.json), Mitsuba (.xml) or pbrt (.pbrt)");
-  return kPbrt;
+  for (const Format& f : kFormats)
+    if (suffix == f.suffix) return f;
+  const size_t first = std::min(text.find_first_not_of(" \t\r\n"), text.size());
+  for (const Format& f : kFormats)
+    if (f.begins ? text.substr(first, 1) == f.begins : text.find("WorldBegin") != text.npos)
+      return f;
+  throw InputError(display_name(path), "",
+                   "is no scene of Tungsten (.json), Mitsuba (.xml) or pbrt (.pbrt)");
 }
 
 Parameters parameters_of(const ImportOptions& a, const Format& format) {
@@ -81,7 +79,7 @@ Parameters parameters_of(const ImportOptions& a, const Format& format) {
       throw UsageError("--define: \"" + shown(p) + "\" is not of the form NAME=VALUE");
     out[p.substr(0, equals)] = p.substr(equals + 1);
   }
-  if (!out.empty() && &format != &kMitsuba)
+  if (!out.empty() && format.read != foreign::read_mitsuba)
     throw UsageError("--define: only Mitsuba's scenes have parameters");
   return out;
 }
@@ -93,10 +91,9 @@ std::string line_of(const foreign::Source::Loss& loss) {
                      loss.times > 1 ? fmt::format(" ({} times)", loss.times) : "");
 }
 
-void report(const cli::Common& common, const foreign::Described& scene, const foreign::Written& w,
-            const std::vector<foreign::Source::Loss>& losses, const std::string& environment,
+void report(const cli::Common& common, const foreign::Described& scene,
+            const foreign::GltfOutput& w, const std::string& environment,
             const std::string& portals) {
-  for (const auto& loss : losses) common.warn(line_of(loss));
   std::string light = counted(w.emitters, "emitting triangle");
   if (!scene.lamps.empty()) light += ", " + counted(scene.lamps.size(), "lamp");
   if (!environment.empty())
@@ -113,23 +110,17 @@ void report(const cli::Common& common, const foreign::Described& scene, const fo
   if (scene.cameras.empty())
     common.note("The scene has no camera: give one to the renderer (--frame, --look-from).");
   common.explain_by([&] {
-    const auto& f = w.frame;
-    const char* up = f.up == foreign::Up::x ? "x" : f.up == foreign::Up::y ? "y" : "z";
+    const foreign::Frame& f = w.frame;
     return cli::Decisions{
-        {"up", std::string(f.downwards ? "-" : "+") + up,
-         f.downwards || f.up != foreign::Up::y ? "it becomes +y, which is up in glTF"
-                                               : "it is up in glTF, too",
-         ""},
+        {"up", (f.downwards ? "-" : "+") + f.up, "it becomes +y, which is up in glTF", ""},
         {"handedness", f.mirrored ? "left" : "right",
          f.mirrored ? "the camera shows a mirror image, so x changes its sign"
                     : "the camera shows no mirror image",
-         ""},
-        {"losses", fmt::format("{}", losses.size()),
-         losses.empty() ? "glTF holds all of the scene" : "glTF lacks what is named above", ""}};
+         ""}};
   });
 }
 
-std::string json_of(const foreign::Described& scene, const foreign::Written& w,
+std::string json_of(const foreign::Described& scene, const foreign::GltfOutput& w,
                     const std::vector<foreign::Source::Loss>& losses, const char* format) {
   nlohmann::ordered_json out = {{"format", format},
                                 {"triangles", w.triangles},
@@ -159,23 +150,17 @@ int run(const ImportOptions& a, const cli::Common& common) {
     throw InputError(display_name(a.scene), "", "has no shape that can be read");
 
   std::vector<std::string> others;
-  std::vector<cli::Common::Input> inputs;
-  for (const auto& file : source.files()) {
+  for (const auto& file : source.files())
     if (file.path != a.scene) others.push_back(file.path);
-    inputs.push_back({file.path, file.hash, {}});
-  }
   common.also_read(others);
 
-  foreign::Writing how;
-  using enum foreign::Up;
-  how.up = a.up == "x" ? x : a.up == "y" ? y : a.up == "z" ? z : by_camera;
-  how.longest_texture = static_cast<int>(a.texture_size);
   const std::filesystem::path output = common.output;
   const std::string stem = output.stem().string();
-  how.environment = stem + ".environment";
-  how.format = format.name;
-  how.provenance = common.provenance({inputs.front()});
-  const foreign::Written w = written(scene, how, source);
+  const Provenance provenance = common.provenance({{a.scene, source.files().front().hash, {}}});
+  const foreign::GltfOutput w = write_gltf(
+      scene,
+      {a.up, static_cast<int>(a.texture_size), stem + ".environment", format.name, provenance},
+      source);
 
   if (a.strict && !source.losses().empty()) {
     for (size_t i = 1; i < source.losses().size(); ++i) common.warn(line_of(source.losses()[i]));
@@ -193,11 +178,12 @@ int run(const ImportOptions& a, const cli::Common& common) {
     files.push_back({path.string(), bytes});
     return path.string();
   };
-  const std::string environment =
-      beside(how.environment + w.environment_suffix, w.environment, "the environment becomes");
+  const std::string environment = beside(stem + ".environment" + w.environment_suffix,
+                                         w.environment, "the environment becomes");
   const std::string portals = beside(stem + ".portal.glb", w.portals, "the portals become");
   write_outputs(files);
-  report(common, scene, w, source.losses(), environment, portals);
+  for (const auto& loss : source.losses()) common.warn(line_of(loss));
+  report(common, scene, w, environment, portals);
   common.summary(json_of(scene, w, source.losses(), format.name));
   return 0;
 }

@@ -128,16 +128,11 @@ bool has_interface(double ior) {
   return std::abs(ior - 1) >= kLeast;
 }
 
-// Of GGX: the visible normal from `v` (front, z > 0) for two numbers in 0..1 [Heitz 2018].
+// The visible normal of GGX from `v` (front, z > 0, y = 0) for two numbers in 0..1 [Heitz 2018].
 Vec3d visible_normal(const Vec3d& v, double alpha, double u1, double u2) {
-  const Vec3d s = normalize(Vec3d(alpha * v.x, alpha * v.y, v.z));
-  const Onb<double> frame(s);
+  const Vec3d s = normalize(Vec3d(alpha * v.x, 0, v.z)), t1(0, 1, 0), t2 = cross(s, t1);
   const double r = std::sqrt(u1), phi = 2 * std::numbers::pi * u2;
   const double x = r * std::cos(phi), share = 0.5 * (1 + s.z);
-  // The frame's second axis lies in the plane of s and z.
-  const double across = std::hypot(s.x, s.y);
-  const Vec3d t1 = across > 1e-9 ? Vec3d(-s.y / across, s.x / across, 0) : frame.x;
-  const Vec3d t2 = cross(s, t1);
   const double y = (1 - share) * std::sqrt(1 - x * x) + share * r * std::sin(phi);
   const Vec3d h = t1 * x + t2 * y + s * std::sqrt(std::max(0.0, 1 - x * x - y * y));
   return normalize(Vec3d(alpha * h.x, alpha * h.y, std::max(1e-9, h.z)));
@@ -224,7 +219,7 @@ Material rough_plastic(const Colour& reflectance, double ior, const Number& alph
 
 namespace {
 
-// Of diffuse light what a white base of [Burley 2012] scatters back.
+// The share of diffuse light that a white base of [Burley 2012] scatters back.
 double burley_albedo(double roughness) {
   constexpr int kCells = 24;
   const auto rise = [](double mu) { return std::pow(1 - mu, 5); };
@@ -241,8 +236,9 @@ double burley_albedo(double roughness) {
   return sum / (kCells * kCells * kCells);
 }
 
-// Of diffuse light that an interface reflects whose reflectance rises from f0 to f90 by Schlick's
-// curve: f0 a + f90 b. Microfacets shadow each other as of one height or independently (Smith).
+// The share of diffuse light that an interface reflects is f0 a + f90 b, if its reflectance rises
+// from f0 to f90 by Schlick's curve. Microfacets shadow each other by their heights (correlated) or
+// independently (separable) [Smith].
 struct SchlickShares {
   double a = 0, b = 0;
 };

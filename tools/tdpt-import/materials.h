@@ -30,9 +30,8 @@ Material plastic_under_layer(const Colour& reflectance, double ior, const Number
 /// second time is lost, inside as well, so rough ones have darker bases. `alpha` is its mean.
 Material rough_plastic(const Colour& reflectance, double ior, const Number& alpha, bool nonlinear);
 
-/// Of diffuse light that meets a rough dielectric interface (GGX, separable Smith shadowing, single
-/// scattering) of relative index `eta` (behind / in front): the shares that it reflects and lets
-/// through.
+/// The shares of diffuse light that a rough dielectric interface reflects and lets through: GGX,
+/// separable Smith shadowing, single scattering, relative index `eta` (behind / in front).
 struct InterfaceShares {
   double reflected, transmitted;
 };

@@ -45,8 +45,8 @@ class Source {
   /// search paths. Backslashes count as slashes. Throws InputError naming `place` if it lies
   /// outside the scene's folder or is missing.
   std::string read(const std::string& name, const Place& place);
-  /// The same of a picture and of a mesh. If they are missing and this is allowed, they are named
-  /// as lost, and a picture of one grey texel, and nothing, stand in for them.
+  /// Reads a picture or a mesh in the same way. If it is missing and this is allowed, it is named
+  /// as lost; a picture of one grey texel, or nothing, stands in for it.
   std::string read_picture(const std::string& name, const Place& place);
   std::optional<std::string> read_mesh(const std::string& name, const Place& place);
   /// Whether there is such a file.
@@ -60,8 +60,7 @@ class Source {
   /// Says that something of the scene is lost. The same sentence again only counts.
   void lose(const Place& place, const std::string& sentence);
 
-  /// The same of paths of more than so many edges, which the source leaves out, unless they hold
-  /// next to no light.
+  /// Names paths of more than so many edges as lost, unless they hold next to no light.
   void lose_longer_paths(const Place& place, double edges);
   /// Enters a key into the account. `sentence` is what is lost if nobody takes it; empty: nothing.
   /// `holder` is the key in whose value this one stands: if nobody takes that, nobody misses this.

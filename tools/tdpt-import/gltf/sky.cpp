@@ -1,4 +1,4 @@
-// The environment of a scene as a file beside it and the keys that name it.
+// Writes the environment of a scene to a file beside it, and the keys that name the file.
 #include "tools/tdpt-import/gltf/gltf.h"
 
 #include <fmt/format.h>
@@ -32,7 +32,7 @@ Vec3d direction_of(Sky::Layout layout, double u, double v) {
           std::copysign(1 - r * r, 1 - x - y)};
 }
 
-// [sr]
+// The solid angle of a rectangle of a map [sr].
 double solid_angle(Sky::Layout layout, double u0, double v0, double u1, double v1) {
   return layout == Sky::Layout::latlong
              ? 2 * pi * (u1 - u0) * (std::cos(v0 * pi) - std::cos(v1 * pi))
@@ -56,7 +56,7 @@ std::array<double, 2> range_of(const Polygon& p, size_t axis) {
   return {(*low)[axis], (*high)[axis]};
 }
 
-// The part where sign * coordinate <= sign * limit (Sutherland and Hodgman).
+// The part of a polygon where sign * coordinate <= sign * limit (Sutherland and Hodgman).
 const Polygon& cut(const Polygon& from, size_t axis, double limit, double sign, Polygon& to) {
   to.clear();
   for (size_t i = 0; i < from.size(); ++i) {
@@ -126,7 +126,7 @@ class Turned {
     return std::clamp(static_cast<int>(below - edges_.begin()) - 1, 0, height_ - 1);
   }
 
-  // Adds an edge but its end to the outline, in straight pieces that miss less than a ten
+  // Adds an edge without its end to the outline, as straight pieces that miss less than a ten
   // thousandth of the texel.
   void trace(const Spot& a, const Spot& b, int depth) {
     constexpr double kStraight = 0.05;  // [rad] of a piece
@@ -148,7 +148,7 @@ class Turned {
     }
   }
 
-  // Of a texel, its corners from the upper left clockwise.
+  // Distributes the light of a texel; its corners are clockwise from the upper left.
   void share(const std::array<Spot, 4>& corners, const Rgb& radiance) {
     const auto& [first, b, last, d] = corners;
     solid_angle_ = solid_angle(sky_.layout, first.u, first.v, last.u, last.v);
@@ -189,74 +189,62 @@ class Turned {
   double column_ = 0;       // where the outline is, without a seam
 };
 
-bool is_near(const Vec3d& a, const Vec3d& b) {
-  return length(a - b) < 1e-6;
-}
-
 }  // namespace
 
-WrittenSky written_sky(const Described& scene, const Frame& frame, Source& source) {
-  WrittenSky out;
-  if (!scene.sky || !(max_component(scene.sky->colour) > 0)) return out;
-  const Sky& sky = *scene.sky;
-  if (!sky.image) {
-    out.extras["tdpt_environment"] = {sky.colour.x, sky.colour.y, sky.colour.z};
-    return out;
-  }
-  const Image& image = scene.images[*sky.image];
-  const std::string name = source.shown_name(image.name);
-  Texels t = image.texels.empty() ? decode(image.bytes, name)
-                                  : Texels{image.width, image.height, false, image.texels, {}};
+void add_sky(GltfFile& f, GltfJson& extras) {
+  if (!f.scene.sky || !(max_component(f.scene.sky->colour) > 0)) return;
+  const Sky& sky = *f.scene.sky;
+  const auto one_colour = [&](const Rgb& c) { extras["tdpt_environment"] = {c.x, c.y, c.z}; };
+  if (!sky.image) return one_colour(sky.colour);
+  const Image& image = f.scene.images[*sky.image];
+  const std::string file = f.source.shown_name(image.name);
+  Texels t = decode(image, f.source);
   if (t.is_8bit && sky.srgb)
     for (Rgb& c : t.rgb) c = linear_of(c);
   if (sky.layout == Sky::Layout::octahedral && t.width != t.height)
-    throw InputError(name, "",
+    throw InputError(file, "",
                      fmt::format("is {} x {} texels, expected a square, as pbrt-v4's skies are",
                                  t.width, t.height));
   bool negative = false;
   for (size_t i = 0; i < t.rgb.size(); ++i) {
     if (!(max_component(t.rgb[i]) <= 1e30f) || !is_finite(t.rgb[i]))
-      throw InputError(name,
+      throw InputError(file,
                        fmt::format("pixel {} {}", i % static_cast<size_t>(t.width),
                                    i / static_cast<size_t>(t.width)),
                        "is no radiance of a sky, expected finite numbers up to 1e30");
     negative |= std::min({t.rgb[i].x, t.rgb[i].y, t.rgb[i].z}) < 0;
     t.rgb[i] = max(t.rgb[i], Rgb(0));
   }
-  if (negative) source.lose({source.path(), ""}, "negative radiances of the sky become 0");
-  if (t.rgb.size() == 1) {
-    const Rgb c = t.rgb[0] * sky.colour;
-    out.extras["tdpt_environment"] = {c.x, c.y, c.z};
-    return out;
-  }
+  if (negative) f.lose("negative radiances of the sky become 0");
+  if (t.rgb.size() == 1) return one_colour(t.rgb[0] * sky.colour);
   if (std::all_of(t.rgb.begin(), t.rgb.end(), [](const Rgb& c) { return !(max_component(c) > 0); }))
-    return out;
+    return;
 
-  const Affine to_map = sky.to_map * frame.to_gltf.transposed();
+  const Affine to_map = sky.to_map * f.out.frame.to_gltf.transposed();
   const bool grey = sky.colour.x == sky.colour.y && sky.colour.y == sky.colour.z;
-  const bool turned = is_near(to_map.y, {0, 1, 0}) && !to_map.mirrors();
+  const bool turned = length(to_map.y - Vec3d(0, 1, 0)) < 1e-6 && !to_map.mirrors();
   const bool plain = sky.layout == Sky::Layout::latlong && t.width == 2 * t.height &&
                      t.width <= kWidest && !negative;
   const bool exr = image.bytes.starts_with("\x76\x2f\x31\x01"), hdr = is_radiance_hdr(image.bytes);
-  if (grey && turned && plain && (exr || hdr)) {
-    out.suffix = exr ? ".exr" : ".hdr";
-    out.bytes = image.bytes;
+  const bool copied = grey && turned && plain && (exr || hdr);
+  f.out.environment_suffix = copied && hdr ? ".hdr" : ".exr";
+  extras["tdpt_environment"] = f.how.environment + f.out.environment_suffix;
+  if (copied) {
+    f.out.environment = image.bytes;
     // The map's -z lies at to_map's inverse of it; a positive rotation is counter-clockwise from
     // above.
     const Vec3d centre = to_map.transposed().vector({0, 0, -1});
     const double degrees = std::atan2(-centre.x, -centre.z) * 180 / pi;
-    if (std::abs(degrees) > 1e-9) out.extras["tdpt_environment_rotation"] = degrees;
-    if (sky.colour.x != 1) out.extras["tdpt_environment_scale"] = sky.colour.x;
-    return out;
+    if (std::abs(degrees) > 1e-9) extras["tdpt_environment_rotation"] = degrees;
+    if (sky.colour.x != 1) extras["tdpt_environment_scale"] = sky.colour.x;
+    return;
   }
-  // As fine as the given one; equal-area squares have texels of 3.5 rad / width.
+  // The new map is as fine as the old one; texels of equal-area squares have 3.5 rad / width.
   const int width =
       std::clamp(sky.layout == Sky::Layout::octahedral ? 2 * t.width : t.width, 4, kWidest);
-  ExrFile file;
-  file.picture = Turned(t, sky, to_map.transposed(), width / 2 * 2).picture();
-  out.suffix = ".exr";
-  out.bytes = exr_bytes(file);
-  return out;
+  ExrFile resampled;
+  resampled.picture = Turned(t, sky, to_map.transposed(), width / 2 * 2).picture();
+  f.out.environment = exr_bytes(resampled);
 }
 
 }  // namespace tdpt::foreign

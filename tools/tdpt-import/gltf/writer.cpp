@@ -10,6 +10,7 @@
 #include "libcommon/base/words.h"
 #include "libcommon/formats/portal.h"
 #include "tdpt_version.h"
+#include "tools/tdpt-import/meshes/meshes.h"
 
 namespace tdpt::foreign {
 
@@ -17,106 +18,94 @@ namespace tdpt::foreign {
 
 namespace {
 
+std::string text_of(const GltfJson& json) {
+  return json.dump(-1, ' ', false, GltfJson::error_handler_t::replace);
+}
+
 constexpr int kFloat = 5126, kShort = 5123, kInt = 5125, kVertices = 34962, kIndices = 34963;
 
+// Adds an accessor of `count` elements; its index.
 template <class T>
-std::string_view bytes_of(const std::vector<T>& values) {
-  return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T)};
+size_t add_accessor(GltfFile& f, const std::vector<T>& values, int component, size_t count,
+                    const char* type) {
+  const std::string_view bytes(reinterpret_cast<const char*>(values.data()),
+                               values.size() * sizeof(T));
+  const size_t view = f.add(bytes, component == kFloat ? kVertices : kIndices);
+  return f.add(
+      "accessors",
+      {{"bufferView", view}, {"componentType", component}, {"count", count}, {"type", type}});
+}
+
+size_t add_positions(GltfFile& f, const std::vector<Vec3f>& values) {
+  static_assert(sizeof(Vec3f) == 3 * sizeof(float));
+  Vec3f low(std::numeric_limits<float>::infinity()), high = -low;
+  for (const Vec3f& p : values) low = min(low, p), high = max(high, p);
+  const size_t at = add_accessor(f, values, kFloat, values.size(), "VEC3");
+  f.root["accessors"][at]["min"] = {low.x, low.y, low.z};
+  f.root["accessors"][at]["max"] = {high.x, high.y, high.z};
+  return at;
+}
+
+template <class Index>
+size_t add_indices(GltfFile& f, const Mesh& mesh, bool turned, int component) {
+  std::vector<Index> corners;
+  for (auto [a, b, c] : mesh.triangles) {
+    if (turned) std::swap(b, c);
+    for (const uint32_t i : {a, b, c}) corners.push_back(static_cast<Index>(i));
+  }
+  return add_accessor(f, corners, component, corners.size(), "SCALAR");
 }
 
 }  // namespace
 
-size_t Glb::bytes(std::string_view bytes, int target) {
-  GltfJson v = {{"buffer", 0}, {"byteOffset", bin_.size()}, {"byteLength", bytes.size()}};
-  if (target) v["target"] = target;
-  root["bufferViews"].push_back(std::move(v));
-  bin_ += bytes;
-  bin_.resize((bin_.size() + 3) / 4 * 4);
-  return root["bufferViews"].size() - 1;
+size_t GltfFile::add(const char* section, GltfJson value) {
+  root[section].push_back(std::move(value));
+  return root[section].size() - 1;
 }
 
-size_t Glb::accessor(std::string_view values, int target, int type, size_t count,
-                     const char* shape) {
-  const size_t view = bytes(values, target);
-  root["accessors"].push_back(
-      {{"bufferView", view}, {"componentType", type}, {"count", count}, {"type", shape}});
-  return root["accessors"].size() - 1;
+size_t GltfFile::add(std::string_view bytes, int target) {
+  GltfJson view = {{"buffer", 0}, {"byteOffset", bin.size()}, {"byteLength", bytes.size()}};
+  if (target) view["target"] = target;
+  bin += bytes;
+  bin.resize((bin.size() + 3) / 4 * 4);
+  return add("bufferViews", std::move(view));
 }
 
-size_t Glb::positions(const std::vector<Vec3f>& values) {
-  Vec3f low(std::numeric_limits<float>::infinity()), high = -low;
-  for (const Vec3f& p : values) low = min(low, p), high = max(high, p);
-  const size_t at = normals(values);
-  root["accessors"][at]["min"] = {low.x, low.y, low.z};
-  root["accessors"][at]["max"] = {high.x, high.y, high.z};
-  return at;
+size_t GltfFile::index_of(const char* section, const GltfJson& value) {
+  std::map<std::string, size_t>& all = known[section];
+  const auto [it, is_new] = all.try_emplace(text_of(value), all.size());
+  if (is_new) add(section, value);
+  return it->second;
 }
 
-size_t Glb::normals(const std::vector<Vec3f>& values) {
-  static_assert(sizeof(Vec3f) == 3 * sizeof(float));
-  return accessor(bytes_of(values), kVertices, kFloat, values.size(), "VEC3");
-}
-
-size_t Glb::uv(const std::vector<std::array<float, 2>>& values) {
-  return accessor(bytes_of(values), kVertices, kFloat, values.size(), "VEC2");
-}
-
-size_t Glb::indices(const std::vector<std::array<uint32_t, 3>>& triangles, size_t vertices) {
-  if (vertices > 65535)
-    return accessor(bytes_of(triangles), kIndices, kInt, 3 * triangles.size(), "SCALAR");
-  std::vector<uint16_t> small;
-  for (const auto& t : triangles)
-    for (const uint32_t i : t) small.push_back(static_cast<uint16_t>(i));
-  return accessor(bytes_of(small), kIndices, kShort, small.size(), "SCALAR");
-}
-
-std::string Glb::file() {
-  constexpr uint32_t kGlbMagic = 0x46546c67, kJsonChunk = 0x4e4f534a, kBinChunk = 0x004e4942;
-  if (!bin_.empty()) root["buffers"] = GltfJson::array({{{"byteLength", bin_.size()}}});
-  std::string text = root.dump(-1, ' ', false, GltfJson::error_handler_t::replace);
-  text.resize((text.size() + 3) / 4 * 4, ' ');
-  const size_t total = 12 + 8 + text.size() + (bin_.empty() ? 0 : 8 + bin_.size());
-  if (total > std::numeric_limits<uint32_t>::max())
-    throw Error(Exit::bad_input, "the scene takes more than 4 GiB, which no .glb holds");
-  std::string glb;
-  glb.reserve(total);
-  const auto word = [&](size_t v) {
-    const auto word32 = static_cast<uint32_t>(v);
-    glb.append(reinterpret_cast<const char*>(&word32), sizeof word32);
-  };
-  word(kGlbMagic), word(2), word(total), word(text.size()), word(kJsonChunk);
-  glb += text;
-  if (!bin_.empty()) {
-    word(bin_.size()), word(kBinChunk);
-    glb += bin_;
-  }
-  return glb;
+GltfJson& GltfFile::extension(GltfJson& object, const char* name) {
+  extensions.insert(name);
+  return object["extensions"][name];
 }
 
 namespace {
 
 // ---- The frame ----
 
-// Mirrors the scene along x if its first camera is mirrored, and turns `up` to +y. By the camera:
-// the axis that is nearest to what is up in its picture.
-Frame frame_of(const Described& scene, Up up) {
+// The frame that mirrors the scene along x if its first camera is mirrored, and turns `up` to +y.
+// "auto" takes the axis that is nearest to what is up in the camera's picture.
+Frame frame_of(const Described& scene, const std::string& up) {
   Frame frame;
+  if (up != "auto") frame.up = up;
   if (!scene.cameras.empty()) {
     const Affine& camera = scene.cameras.front().to_world;
     frame.mirrored = camera.mirrors();
-    if (up == Up::by_camera) {
+    if (up == "auto") {
       const Vec3d& y = camera.y;
       const double x = std::abs(y.x), z = std::abs(y.z), upright = std::abs(y.y);
-      up = upright >= x && upright >= z ? Up::y : z >= x ? Up::z : Up::x;
-      frame.downwards = (up == Up::y ? y.y : up == Up::z ? y.z : y.x) < 0;
+      frame.up = upright >= x && upright >= z ? "y" : z >= x ? "z" : "x";
+      frame.downwards = (frame.up == "y" ? y.y : frame.up == "z" ? y.z : y.x) < 0;
     }
   }
-  if (up == Up::by_camera) up = Up::y;
-  frame.up = up;
-  // Rotations that take the axis to +y and keep one of the others.
+  // These rotations take the axis to +y and keep one of the others.
   Affine turn;
-  if (up == Up::z) turn = {{1, 0, 0}, {0, 0, -1}, {0, 1, 0}, {}};
-  if (up == Up::x) turn = {{0, 1, 0}, {-1, 0, 0}, {0, 0, 1}, {}};
+  if (frame.up == "z") turn = {{1, 0, 0}, {0, 0, -1}, {0, 1, 0}, {}};
+  if (frame.up == "x") turn = {{0, 1, 0}, {-1, 0, 0}, {0, 0, 1}, {}};
   if (frame.downwards) turn = Affine{{1, 0, 0}, {0, -1, 0}, {0, 0, -1}, {}} * turn;
   if (frame.mirrored) turn = turn * Affine{{-1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {}};
   frame.to_gltf = turn;
@@ -129,7 +118,7 @@ GltfJson three(const Vec3d& v) {
   return {v.x, v.y, v.z};
 }
 
-// Of a rotation: x, y, z, w, of length 1.
+// The unit quaternion x, y, z, w of a rotation.
 std::array<double, 4> quaternion_of(const Affine& r) {
   const double trace = r.x.x + r.y.y + r.z.z;
   std::array<double, 4> q;
@@ -147,7 +136,7 @@ std::array<double, 4> quaternion_of(const Affine& r) {
   return q;
 }
 
-// Translation, rotation and scale; false: the map shears or flattens.
+// Writes translation, rotation and scale; returns false if the map shears or flattens.
 bool put_trs(const Affine& m, GltfJson& node) {
   Vec3d scale{length(m.x), length(m.y), length(m.z)};
   if (!(scale.x > 0 && scale.y > 0 && scale.z > 0)) return false;
@@ -163,131 +152,49 @@ bool put_trs(const Affine& m, GltfJson& node) {
   return true;
 }
 
-Vec3d to_double(const Vec3f& v) {
-  return {v.x, v.y, v.z};
-}
-Vec3f to_float(const Vec3d& v) {
-  return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
-}
-
-// The mesh itself placed, for maps that a node cannot have.
+// Applies to a mesh a map that a node cannot have.
 Mesh baked(const Mesh& mesh, const Affine& m) {
   Mesh out = mesh;
-  for (Vec3f& p : out.positions) p = to_float(m.point(to_double(p)));
+  for (Vec3f& p : out.positions) p = in_single(m.point(in_double(p)));
   const double sign = m.mirrors() ? -1 : 1;
   const Affine normals{cross(m.y, m.z) * sign, cross(m.z, m.x) * sign, cross(m.x, m.y) * sign, {}};
-  for (Vec3f& n : out.normals) n = to_float(normals.vector(to_double(n)));
+  for (Vec3f& n : out.normals) n = in_single(normals.vector(in_double(n)));
   if (m.mirrors())
     for (auto& t : out.triangles) std::swap(t[1], t[2]);
   return out;
 }
 
-// Of length 1; where the file has none, those of the triangles.
-std::vector<Vec3f> unit_normals(const Mesh& mesh) {
-  std::vector<Vec3f> out;
-  std::vector<Vec3d> of_triangles;
-  for (size_t i = 0; i < mesh.normals.size(); ++i) {
-    const Vec3d n = to_double(mesh.normals[i]);
-    const double l = length(n);
-    if (l > 1e-30 && std::isfinite(l)) {
-      out.push_back(to_float(n / l));
-      continue;
-    }
-    if (of_triangles.empty()) {
-      of_triangles.resize(mesh.positions.size());
-      for (const auto& [a, b, c] : mesh.triangles) {
-        const Vec3d pa = to_double(mesh.positions[a]);
-        const Vec3d across =
-            cross(to_double(mesh.positions[b]) - pa, to_double(mesh.positions[c]) - pa);
-        for (const uint32_t k : {a, b, c}) of_triangles[k] = of_triangles[k] + across;
-      }
-    }
-    const double s = length(of_triangles[i]);
-    out.push_back(s > 0 ? to_float(of_triangles[i] / s) : Vec3f(0, 0, 1));
-  }
-  return out;
+// ---- The sections ----
+
+void add_node(GltfFile& f, GltfJson node) {
+  const size_t index = f.add("nodes", std::move(node));
+  f.root["scenes"][0]["nodes"].push_back(index);
 }
 
-class Writer {
- public:
-  Writer(const Described& scene, const Writing& how, Source& source)
-      : scene_(scene),
-        how_(how),
-        source_(source),
-        surfaces_(scene, glb_, source, how.longest_texture) {}
-
-  Written write() {
-    out_.frame = frame_of(scene_, how_.up);
-    root_["asset"] = {{"version", "2.0"}, {"generator", "tdpt " TDPT_VERSION}};
-    root_["asset"]["extras"]["source"] = how_.format;
-    if (!how_.provenance.empty()) root_["asset"]["extras"]["provenance"] = how_.provenance.lines;
-    root_["scene"] = 0;
-    root_["scenes"] = GltfJson::array({GltfJson::object()});
-    if (!scene_.title.empty()) root_["scenes"][0]["name"] = shown(scene_.title, 200);
-    for (const Camera& c : scene_.cameras) add(c);
-    for (const Lamp& l : scene_.lamps) add(l);
-    for (const Shape& s : scene_.shapes) add(s);
-    add_defaults();
-    add_portals();
-    std::set<std::string> used = surfaces_.extensions();
-    if (has_lamps_) used.insert("KHR_lights_punctual");
-    if (!used.empty()) root_["extensionsUsed"] = used;
-    out_.materials = root_.contains("materials") ? root_["materials"].size() : 0;
-    out_.textures = root_.contains("images") ? root_["images"].size() : 0;
-    out_.glb = glb_.file();
-    return std::move(out_);
-  }
-
- private:
-  void add(GltfJson node) {
-    root_["nodes"].push_back(std::move(node));
-    root_["scenes"][0]["nodes"].push_back(root_["nodes"].size() - 1);
-  }
-  void add(const Camera& camera);
-  void add(const Lamp& lamp);
-  void add(const Shape& shape);
-  size_t mesh_of(const Shape& shape, const Mesh& mesh, bool shared);
-  void add_defaults();
-  void add_portals();
-
-  void lose(const std::string& sentence) { source_.lose({source_.path(), ""}, sentence); }
-
-  enum Attribute : size_t { kPosition, kNormal, kTexcoord, kIndex };
-  const Described& scene_;
-  const Writing& how_;
-  Source& source_;
-  Glb glb_;
-  GltfJson& root_ = glb_.root;
-  Surfaces surfaces_;
-  Written out_;
-  bool has_lamps_ = false;
-  std::map<std::array<size_t, 3>, size_t> meshes_;     // mesh, material, turned
-  std::map<std::array<size_t, 3>, size_t> accessors_;  // attribute, mesh, turned
-};
-
-void Writer::add(const Camera& camera) {
-  const Affine m = out_.frame.to_gltf * camera.to_world;
+void add_camera(GltfFile& f, const Camera& camera) {
+  const Affine m = f.out.frame.to_gltf * camera.to_world;
   const double aspect = static_cast<double>(camera.width) / std::max(camera.height, 1);
-  root_["cameras"].push_back(
-      {{"name", shown(camera.name, 200)},
-       {"type", "perspective"},
-       {"perspective", {{"yfov", camera.yfov}, {"aspectRatio", aspect}, {"znear", 0.01}}}});
+  const size_t index =
+      f.add("cameras",
+            {{"name", shown(camera.name, 200)},
+             {"type", "perspective"},
+             {"perspective", {{"yfov", camera.yfov}, {"aspectRatio", aspect}, {"znear", 0.01}}}});
   if (camera.lens_radius > 0) {
     // As tdpt has it: a film 36 mm along its longer side.
     const double focal = 0.018 / (std::tan(camera.yfov / 2) * std::max(1.0, aspect));
-    lose(fmt::format(
+    f.lose(fmt::format(
         "depth of field is no part of glTF: give --f-stop {:.4g} --focus {:.4g} to tdpt",
         focal / (2 * camera.lens_radius), camera.focus_distance));
   }
-  if (camera.shift_x != 0 || camera.shift_y != 0) lose("the shift of the camera is left out");
-  // Exactly at right angles: y is kept up in the picture.
+  if (camera.shift_x != 0 || camera.shift_y != 0) f.lose("the shift of the camera is left out");
+  // Makes the axes exactly perpendicular; y stays up in the picture.
   const Vec3d z = normalize(m.z), x = normalize(cross(m.y, z));
-  GltfJson node = {{"name", shown(camera.name, 200)}, {"camera", root_["cameras"].size() - 1}};
+  GltfJson node = {{"name", shown(camera.name, 200)}, {"camera", index}};
   put_trs({x, cross(z, x), z, m.t}, node);
-  add(std::move(node));
+  add_node(f, std::move(node));
 }
 
-void Writer::add(const Lamp& lamp) {
+void add_lamp(GltfFile& f, const Lamp& lamp) {
   const float strength = max_component(lamp.intensity);
   if (!(strength > 0)) return;
   const Rgb colour = max(lamp.intensity, Rgb(0)) / strength;
@@ -301,123 +208,103 @@ void Writer::add(const Lamp& lamp) {
     light["spot"] = {
         {"innerConeAngle", std::clamp(lamp.inner, 0.0, std::min(lamp.outer, 1.57) - 1e-4)},
         {"outerConeAngle", std::clamp(lamp.outer, 1e-3, 1.57)}};
-  GltfJson& lights = root_["extensions"]["KHR_lights_punctual"]["lights"];
+  GltfJson& lights = f.extension(f.root, "KHR_lights_punctual")["lights"];
   lights.push_back(std::move(light));
-  has_lamps_ = true;
   GltfJson node = {{"name", shown(lamp.name, 200)},
                    {"extensions", {{"KHR_lights_punctual", {{"light", lights.size() - 1}}}}}};
   Affine m;
   if (lamp.kind != Lamp::Kind::point) {
-    const Onb<double> frame(-normalize(out_.frame.to_gltf.vector(lamp.towards)));
+    const Onb<double> frame(-normalize(f.out.frame.to_gltf.vector(lamp.towards)));
     m = {frame.x, frame.y, frame.z, {}};
   }
-  m.t = lamp.kind == Lamp::Kind::sun ? Vec3d(0) : out_.frame.to_gltf.point(lamp.at);
+  m.t = lamp.kind == Lamp::Kind::sun ? Vec3d(0) : f.out.frame.to_gltf.point(lamp.at);
   put_trs(m, node);
-  add(std::move(node));
+  add_node(f, std::move(node));
 }
 
-size_t Writer::mesh_of(const Shape& shape, const Mesh& mesh, bool shared) {
-  const Surfaces::Written surface = surfaces_.written(shape.material, shape.emission);
-  const std::array<size_t, 3> key{shape.mesh, surface.index, shape.turned};
-  if (const auto it = meshes_.find(key); shared && it != meshes_.end()) return it->second;
+// The index of a shape's mesh in glTF. Shapes with the same `number` have the same `mesh`.
+size_t mesh_of(GltfFile& f, const Shape& shape, const Mesh& mesh, size_t number) {
+  const auto [material, is_textured] = material_index(f, shape.material, shape.emission);
+  const std::array<size_t, 3> key{number, material, shape.turned};
+  if (const auto it = f.meshes.find(key); it != f.meshes.end()) return it->second;
+  enum Attribute : size_t { kPosition, kNormal, kTexcoord, kIndex };
   const auto accessor = [&](Attribute attribute, bool turned, const auto& make) {
-    if (!shared) return make();
-    const std::array<size_t, 3> of{attribute, shape.mesh, turned};
-    const auto it = accessors_.find(of);
-    return it != accessors_.end() ? it->second : accessors_[of] = make();
+    const std::array<size_t, 3> of{attribute, number, turned};
+    const auto it = f.accessors.find(of);
+    return it != f.accessors.end() ? it->second : f.accessors[of] = make();
   };
   GltfJson primitive;
   GltfJson& attributes = primitive["attributes"];
   attributes["POSITION"] =
-      accessor(kPosition, false, [&] { return glb_.positions(mesh.positions); });
+      accessor(kPosition, false, [&] { return add_positions(f, mesh.positions); });
   if (mesh.normals.size() == mesh.positions.size())
     attributes["NORMAL"] = accessor(kNormal, shape.turned, [&] {
-      std::vector<Vec3f> normals = unit_normals(mesh);
+      Mesh checked = mesh;
+      check(checked, f.source.path());  // scales normals to length 1
+      checked.normals.resize(mesh.positions.size(), {0, 0, 1});
       if (shape.turned)
-        for (Vec3f& n : normals) n = -n;
-      return glb_.normals(normals);
+        for (Vec3f& n : checked.normals) n = -n;
+      return add_accessor(f, checked.normals, kFloat, checked.normals.size(), "VEC3");
     });
-  if (surface.textured && mesh.uv.size() == mesh.positions.size())
-    attributes["TEXCOORD_0"] = accessor(kTexcoord, false, [&] { return glb_.uv(mesh.uv); });
+  if (is_textured && mesh.uv.size() == mesh.positions.size())
+    attributes["TEXCOORD_0"] = accessor(
+        kTexcoord, false, [&] { return add_accessor(f, mesh.uv, kFloat, mesh.uv.size(), "VEC2"); });
   primitive["indices"] = accessor(kIndex, shape.turned, [&] {
-    auto triangles = mesh.triangles;
-    if (shape.turned)
-      for (auto& t : triangles) std::swap(t[1], t[2]);
-    return glb_.indices(triangles, mesh.positions.size());
+    return mesh.positions.size() > 65535 ? add_indices<uint32_t>(f, mesh, shape.turned, kInt)
+                                         : add_indices<uint16_t>(f, mesh, shape.turned, kShort);
   });
-  primitive["material"] = surface.index;
+  primitive["material"] = material;
   GltfJson out;
   if (!shape.name.empty()) out["name"] = shown(shape.name, 200);
   out["primitives"] = GltfJson::array({std::move(primitive)});
-  root_["meshes"].push_back(std::move(out));
-  const size_t at = root_["meshes"].size() - 1;
-  if (shared) meshes_[key] = at;
-  return at;
+  return f.meshes[key] = f.add("meshes", std::move(out));
 }
 
-void Writer::add(const Shape& shape) {
-  if (scene_.materials[shape.material].invisible && !shape.emission) return;
-  const Mesh& mesh = scene_.meshes[shape.mesh];
+void add_shape(GltfFile& f, const Shape& shape) {
+  if (f.scene.materials[shape.material].invisible && !shape.emission) return;
+  const Mesh& mesh = f.scene.meshes[shape.mesh];
   if (mesh.triangles.empty()) return;
-  const Affine m = out_.frame.to_gltf * shape.to_world;
+  const Affine m = f.out.frame.to_gltf * shape.to_world;
   GltfJson node;
   if (!shape.name.empty()) node["name"] = shown(shape.name, 200);
   GltfJson placed = node;
   if (put_trs(m, placed)) {
-    placed["mesh"] = mesh_of(shape, mesh, true);
-    add(std::move(placed));
+    placed["mesh"] = mesh_of(f, shape, mesh, shape.mesh);
+    add_node(f, std::move(placed));
   } else {
-    node["mesh"] = mesh_of(shape, baked(mesh, m), false);
-    add(std::move(node));
+    node["mesh"] = mesh_of(f, shape, baked(mesh, m), f.scene.meshes.size() + f.out.shapes);
+    add_node(f, std::move(node));
   }
-  ++out_.shapes;
-  out_.triangles += mesh.triangles.size();
-  if (shape.emission) out_.emitters += mesh.triangles.size();
+  ++f.out.shapes;
+  f.out.triangles += mesh.triangles.size();
+  if (shape.emission) f.out.emitters += mesh.triangles.size();
 }
 
-void Writer::add_defaults() {
-  GltfJson extras = GltfJson::object();
-  if (!scene_.cameras.empty() && scene_.cameras.front().width > 0) {
-    extras["tdpt_width"] = scene_.cameras.front().width;
-    extras["tdpt_height"] = scene_.cameras.front().height;
-  }
-  WrittenSky sky = written_sky(scene_, out_.frame, source_);
-  if (!sky.bytes.empty()) extras["tdpt_environment"] = how_.environment + sky.suffix;
-  extras.update(sky.extras);
-  out_.environment = std::move(sky.bytes);
-  out_.environment_suffix = sky.suffix;
-  if (!extras.empty()) root_["scenes"][0]["extras"] = std::move(extras);
-}
-
-// Fronts face the first camera. Where the source says otherwise, light may pass both ways.
-void Writer::add_portals() {
+// Turns the fronts of portals to the first camera. Light passes both ways through a portal whose
+// front was on the other side in the source.
+void add_portals(GltfFile& f) {
   PortalFile file;
-  file.provenance = how_.provenance;
-  for (const Shape& shape : scene_.portals) {
-    const Mesh mesh = baked(scene_.meshes[shape.mesh], out_.frame.to_gltf * shape.to_world);
+  file.provenance = f.how.provenance;
+  for (const Shape& shape : f.scene.portals) {
+    const Mesh mesh = baked(f.scene.meshes[shape.mesh], f.out.frame.to_gltf * shape.to_world);
     Portal portal;
     for (const Vec3f& p : mesh.positions) {
-      if (!(length(to_double(p)) < 1e30))
-        throw InputError(source_.path(), "", "has a portal that is too large or too far away");
-      portal.vertices.push_back(to_double(p));
+      if (!(length(in_double(p)) < 1e30))
+        throw InputError(f.source.path(), "", "has a portal that is too large or too far away");
+      portal.vertices.push_back(in_double(p));
     }
-    for (const auto& t : mesh.triangles) {
-      const Vec3d& at = portal.vertices[t[0]];
-      if (length(cross(portal.vertices[t[1]] - at, portal.vertices[t[2]] - at)) > 0)
-        portal.triangles.push_back(t);
-    }
+    for (const auto& t : mesh.triangles)
+      if (length(front_of(mesh, t)) > 0) portal.triangles.push_back(t);
     if (portal.triangles.empty()) {
-      lose("a portal without an area is left out");
+      f.lose("a portal without an area is left out");
       continue;
     }
     double towards_camera = shape.turned ? -1 : 1;
-    if (!scene_.cameras.empty()) {
-      const Vec3d eye = out_.frame.to_gltf.point(scene_.cameras.front().to_world.t);
+    if (!f.scene.cameras.empty()) {
+      const Vec3d eye = f.out.frame.to_gltf.point(f.scene.cameras.front().to_world.t);
       double sum = 0;
-      for (const auto& [a, b, c] : portal.triangles) {
-        const Vec3d at = portal.vertices[a];
-        sum += dot(cross(portal.vertices[b] - at, portal.vertices[c] - at), eye - at);
-      }
+      for (const auto& t : portal.triangles)
+        sum += dot(front_of(mesh, t), eye - portal.vertices[t[0]]);
       portal.both_ways = sum * towards_camera < 0;
       towards_camera = sum;
     }
@@ -425,13 +312,60 @@ void Writer::add_portals() {
       for (auto& t : portal.triangles) std::swap(t[1], t[2]);
     file.portals.push_back(std::move(portal));
   }
-  if (!file.portals.empty()) out_.portals = portal_bytes(file);
+  if (!file.portals.empty()) f.out.portals = portal_bytes(file);
+}
+
+std::string glb_of(GltfFile& f) {
+  constexpr uint32_t kGlbMagic = 0x46546c67, kJsonChunk = 0x4e4f534a, kBinChunk = 0x004e4942;
+  if (!f.bin.empty()) f.root["buffers"] = GltfJson::array({{{"byteLength", f.bin.size()}}});
+  std::string text = text_of(f.root);
+  text.resize((text.size() + 3) / 4 * 4, ' ');
+  const size_t total = 12 + 8 + text.size() + (f.bin.empty() ? 0 : 8 + f.bin.size());
+  if (total > std::numeric_limits<uint32_t>::max())
+    throw Error(Exit::bad_input, "the scene takes more than 4 GiB, which no .glb holds");
+  std::string glb;
+  glb.reserve(total);
+  const auto word = [&](size_t v) {
+    const auto word32 = static_cast<uint32_t>(v);
+    glb.append(reinterpret_cast<const char*>(&word32), sizeof word32);
+  };
+  word(kGlbMagic), word(2), word(total), word(text.size()), word(kJsonChunk);
+  glb += text;
+  if (!f.bin.empty()) {
+    word(f.bin.size()), word(kBinChunk);
+    glb += f.bin;
+  }
+  return glb;
 }
 
 }  // namespace
 
-Written written(const Described& scene, const Writing& writing, Source& source) {
-  return Writer(scene, writing, source).write();
+GltfOutput write_gltf(const Described& scene, const GltfOptions& writing, Source& source) {
+  GltfFile f{scene, writing, source};
+  f.out.frame = frame_of(scene, writing.up);
+  GltfJson& root = f.root;
+  root["asset"] = {{"version", "2.0"}, {"generator", "tdpt " TDPT_VERSION}};
+  root["asset"]["extras"]["source"] = writing.format;
+  if (!writing.provenance.empty()) root["asset"]["extras"]["provenance"] = writing.provenance.lines;
+  root["scene"] = 0;
+  root["scenes"] = GltfJson::array({GltfJson::object()});
+  if (!scene.title.empty()) root["scenes"][0]["name"] = shown(scene.title, 200);
+  for (const Camera& c : scene.cameras) add_camera(f, c);
+  for (const Lamp& l : scene.lamps) add_lamp(f, l);
+  for (const Shape& s : scene.shapes) add_shape(f, s);
+  GltfJson extras = GltfJson::object();
+  if (!scene.cameras.empty() && scene.cameras.front().width > 0) {
+    extras["tdpt_width"] = scene.cameras.front().width;
+    extras["tdpt_height"] = scene.cameras.front().height;
+  }
+  add_sky(f, extras);
+  if (!extras.empty()) root["scenes"][0]["extras"] = std::move(extras);
+  add_portals(f);
+  if (!f.extensions.empty()) root["extensionsUsed"] = f.extensions;
+  f.out.materials = root.contains("materials") ? root["materials"].size() : 0;
+  f.out.textures = root.contains("images") ? root["images"].size() : 0;
+  f.out.glb = glb_of(f);
+  return std::move(f.out);
 }
 
 }  // namespace tdpt::foreign

@@ -5,32 +5,17 @@
 
 #include "libcommon/base/words.h"
 #include "tools/tdpt-import/meshes/meshes.h"
-#include "tools/tdpt-import/mitsuba/context.h"
+#include "tools/tdpt-import/mitsuba/mitsuba.h"
 
 namespace tdpt::foreign::mitsuba {
 namespace {
 
-// Integrators that show all light.
+// These integrators compute all light.
 constexpr const char* kWhole =
     "adaptive aov bdpt erpt irrcache mlt moment path ppm photonmapper prb pssmlt ptracer sppm "
     "stokes vpl volpath prb_basic prb_projective prbvolpath volpath_simple volpathmis";
-// Parameters of how they sample.
-constexpr const char* kSampling =
-    "alpha aovs auto_cancel_gathering bidirectional bidirectional_mutation block_size "
-    "bsdf_samples caustic_lookup_radius caustic_lookup_size caustic_perturbation "
-    "caustic_photons chain_length clamping debug derivatives_only direct_samples "
-    "emitter_samples first_stage first_stage_size_reduction gather_locally global_lookup_radius "
-    "global_lookup_size global_photons glossy_samples gradients granularity guiding "
-    "initial_radius kelemen_style_weights lambda lens_perturbation light_image lookup_size "
-    "luminance_samples manifold_perturbation max_chains max_error max_passes max_sample_factor "
-    "multi_chain_perturbation mutation_size_high mutation_size_low num_chains overture p_large "
-    "p_value photon_count prob_factor quality quality_adjustment resolution rr_depth "
-    "sample_direct samples_per_pass shading_samples shadow_map_resolution show_weighted "
-    "strict_normals timeout two_stage use_spectral_mis verbose volume_lookup_size "
-    "volume_photons work_units";
-
-// What an integrator leaves out of the light.
-void read_integrator(const Object& integrator) {
+// Names the light that an integrator leaves out.
+void read_integrator(const Element& integrator) {
   Source& source = *integrator.source;
   if (integrator.type == "direct")
     source.lose_longer_paths(integrator.place, 2);
@@ -41,31 +26,20 @@ void read_integrator(const Object& integrator) {
   source.lose_longer_paths(integrator.place, integrator.integer("max_depth", -1));
   if (integrator.flag("hide_emitters", false))
     integrator.lose("lamps that the camera does not see (hide_emitters) are seen");
-  for (const Object* inner : integrator.nested("integrator")) read_integrator(*inner);
-  integrator.ignore(kSampling);
+  for (const Element* inner : integrator.nested("integrator")) read_integrator(*inner);
+  integrator.ignore_all();  // how it samples
 }
 
 // ---- Sensors as cameras ----
 
 constexpr int kMostPixels = 65535;  // on a side
 
-// Whether Mitsuba cuts something away that lies ahead of the camera.
-bool is_clipped(const Described& scene, const Camera& camera, double near, double far) {
-  for (const Shape& shape : scene.shapes)
-    for (const Vec3f& p : scene.meshes[shape.mesh].positions) {
-      const double ahead =
-          -dot(shape.to_world.point({p.x, p.y, p.z}) - camera.to_world.t, camera.to_world.z);
-      if ((ahead > 0 && ahead < near) || ahead > far) return true;
-    }
-  return false;
-}
-
-// Width and height of the picture.
-void read_film(const Object& sensor, Camera& camera) {
+// Reads the width and height of the picture.
+void read_film(const Element& sensor, Camera& camera) {
   camera.width = 768, camera.height = 576;
   const auto films = sensor.nested("film");
   if (films.empty()) return;
-  const Object& film = *films[0];
+  const Element& film = *films[0];
   camera.width = film.integer("width", camera.width);
   camera.height = film.integer("height", camera.height);
   if (camera.width < 1 || camera.height < 1 || camera.width > kMostPixels ||
@@ -75,20 +49,15 @@ void read_film(const Object& sensor, Camera& camera) {
       film.integer("crop_height", camera.height) != camera.height ||
       film.integer("crop_offset_x", 0) != 0 || film.integer("crop_offset_y", 0) != 0)
     film.lose("the crop window is left out");
-  for (const Object* filter : film.nested("rfilter"))
-    filter->ignore("B C lobes radius stddev");  // other than this renderer's
-  film.ignore(
-      "attach_log banner burn channel_names compensate component_format "
-      "digits exposure file_format filename gamma high_quality_edges key "
-      "pixel_format sample_border tonemap_method variable");  // of the file that is written
+  film.ignore_all();  // the filter, and how the file is written
 }
 
 double in_radians(double degrees) {
   return degrees * std::numbers::pi / 180;
 }
 
-// Full vertical angle.
-double yfov(const Object& sensor, double aspect) {
+// The full vertical angle [rad].
+double yfov(const Element& sensor, double aspect) {
   double degrees = 0;
   std::string axis = sensor.text("fov_axis", "x");
   if (sensor.find("fov")) {
@@ -96,9 +65,9 @@ double yfov(const Object& sensor, double aspect) {
   } else {  // of a picture of 36 x 24 mm
     std::string mm = sensor.text("focal_length", "50mm");
     if (mm.ends_with("mm")) mm.resize(mm.size() - 2);
-    const auto f = number_of(mm);
-    if (!f || !(*f > 0)) sensor.fail(fmt::format("a focal_length of \"{}\"", shown(mm, 40)));
-    degrees = 2 * std::atan(std::hypot(36, 24) / (2 * *f)) * 180 / std::numbers::pi;
+    const double f = sensor.finite(mm);
+    if (!(f > 0)) sensor.fail(fmt::format("a focal_length of {} mm", f));
+    degrees = 2 * std::atan(std::hypot(36, 24) / (2 * f)) * 180 / std::numbers::pi;
     axis = "diagonal";
   }
   if (!(degrees > 0 && degrees < 180)) sensor.fail(fmt::format("a fov of {} degrees", degrees));
@@ -111,7 +80,7 @@ double yfov(const Object& sensor, double aspect) {
   sensor.find("fov_axis")->fail(fmt::format("a fov_axis \"{}\"", shown(axis, 40)));
 }
 
-void add_camera(Described& scene, const Object& sensor) {
+void add_camera(Described& scene, const Element& sensor) {
   if (sensor.type != "perspective" && sensor.type != "thinlens")
     return sensor.lose(
         fmt::format("sensors of type \"{}\" are not read and left out", shown(sensor.type, 40)));
@@ -119,7 +88,7 @@ void add_camera(Described& scene, const Object& sensor) {
   camera.name = sensor.id.empty() ? sensor.type : sensor.id;
   read_film(sensor, camera);
   camera.yfov = yfov(sensor, static_cast<double>(camera.width) / camera.height);
-  const Affine map = sensor.map("to_world"), axes = axes_of(map, sensor.place);
+  const Affine map = sensor.transform("to_world"), axes = axes_of(map, sensor.place);
   // Mitsuba looks along +z with +x to the left.
   camera.to_world = {-axes.x, axes.y, -axes.z, map.t};
   camera.shift_x = sensor.number("principal_point_offset_x", 0);
@@ -131,33 +100,29 @@ void add_camera(Described& scene, const Object& sensor) {
       sensor.fail(fmt::format("a lens of radius {} focused at {}", camera.lens_radius,
                               camera.focus_distance));
   }
-  if (is_clipped(scene, camera, sensor.number("near_clip", 1e-2), sensor.number("far_clip", 1e4)))
-    sensor.lose("what is nearer than near_clip or farther than far_clip is not cut away");
-  sensor.ignore("focus_distance shutter_open shutter_close");  // nothing moves
-  for (const Object* sampler : sensor.nested("sampler"))
-    sampler->ignore("dimension jitter sample_count scramble seed strength");
-  for (const Object* medium : sensor.nested("medium")) medium->lose(kMedia);
+  sensor.ignore("near_clip far_clip focus_distance shutter_open shutter_close");
+  sensor.nested("sampler");
+  for (const Element* medium : sensor.nested("medium")) medium->lose(kMedia);
   scene.cameras.push_back(camera);
 }
 
 // ---- Emitters that are no shapes ----
 
-// Mitsuba's maps have +z, not -z, in their centre.
+// The centre of Mitsuba's maps is +z, not -z.
 constexpr Affine kHalfTurn{{-1, 0, 0}, {0, 1, 0}, {0, 0, -1}, {}};
 
-void add_lamp(Context& in, const Object& e) {
+void add_lamp(Context& in, const Element& e) {
   Lamp lamp;
   lamp.name = e.id.empty() ? e.type : e.id;
   lamp.intensity = plain_colour(in, e, e.type == "directional" ? "irradiance" : "intensity", Rgb(1),
                                 Role::light);
-  const auto map = [&] { return e.map("to_world"); };
+  const Affine map = e.transform("to_world");
+  lamp.at = map.t;
   if (e.type == "point") {
-    lamp.at = map().t;
-    lamp.at = e.vector("position").value_or(lamp.at);
+    lamp.at = e.vector("position").value_or(map.t);
   } else if (e.type == "spot") {
     lamp.kind = Lamp::Kind::spot;
-    lamp.at = map().t;
-    lamp.towards = axes_of(map(), e.place).z;
+    lamp.towards = axes_of(map, e.place).z;
     const double outer = e.number("cutoff_angle", 20), inner = e.number("beam_width", outer * 0.75);
     if (!(outer > 0 && outer <= 180 && inner >= 0 && inner <= outer))
       e.fail(fmt::format("a spot of beam_width {} and cutoff_angle {}", inner, outer));
@@ -170,13 +135,13 @@ void add_lamp(Context& in, const Object& e) {
   } else {
     lamp.kind = Lamp::Kind::sun;
     const auto direction = e.vector("direction");
-    lamp.towards = direction ? *direction : axes_of(map(), e.place).z;
+    lamp.towards = direction ? *direction : axes_of(map, e.place).z;
     if (!(length(lamp.towards) > 0)) e.fail("a direction of length 0");
   }
   in.scene.lamps.push_back(lamp);
 }
 
-void add_sky(Context& in, const Object& e) {
+void add_sky(Context& in, const Element& e) {
   Sky sky;
   if (e.type == "constant") {
     sky.colour = plain_colour(in, e, "radiance", Rgb(1), Role::light);
@@ -185,7 +150,7 @@ void add_sky(Context& in, const Object& e) {
     sky.image = image(in, e);
     sky.colour = Rgb(static_cast<float>(e.number("scale", 1)));
     if (e.number("gamma", 0) != 0) e.lose("the gamma of an envmap is left out");
-    sky.to_map = kHalfTurn * inverse(axes_of(e.map("to_world"), e.place), e.place);
+    sky.to_map = kHalfTurn * inverse(axes_of(e.transform("to_world"), e.place), e.place);
   }
   if (in.scene.sky)
     e.lose("of several skies the first is taken");
@@ -193,7 +158,7 @@ void add_sky(Context& in, const Object& e) {
     in.scene.sky = sky;
 }
 
-void add_emitter(Context& in, const Object& e) {
+void add_emitter(Context& in, const Element& e) {
   if (is_one_of(e.type, "point spot directional")) {
     add_lamp(in, e);
   } else if (is_one_of(e.type, "constant envmap")) {
@@ -201,15 +166,15 @@ void add_emitter(Context& in, const Object& e) {
   } else if (e.type == "portal") {  // the square of a rectangle; +z leads into the room
     Shape out;
     out.mesh = in.scene.meshes.size();
-    out.to_world = e.map("to_world");
+    out.to_world = e.transform("to_world");
     in.scene.meshes.push_back(square());
     in.scene.portals.push_back(out);
   } else {
     return e.lose(
         fmt::format("emitters of type \"{}\" are not read and left out", shown(e.type, 40)));
   }
-  e.ignore("sampling_weight mis_compensation cache");  // how it is sampled and kept
-  for (const Object* medium : e.nested("medium")) medium->lose(kMedia);
+  e.ignore("mis_compensation cache");
+  for (const Element* medium : e.nested("medium")) medium->lose(kMedia);
 }
 
 }  // namespace
@@ -219,28 +184,19 @@ namespace tdpt::foreign {
 
 Described read_mitsuba(Source& source, const std::map<std::string, std::string>& parameters) {
   using namespace mitsuba;
-  const Document document = parse(source, parameters);
-  const Object& root = *document.scene;
+  const std::deque<Element> elements = parse(source, parameters);
+  const Element& root = elements.front();
   Described scene;
   Context in{scene};
-  for (const Object* shape : root.nested("shape")) add_shape(in, *shape);
-  for (const Object* emitter : root.nested("emitter"))
+  for (const Element* shape : root.nested("shape")) add_shape(in, *shape);
+  for (const Element* emitter : root.nested("emitter"))
     if (emitter->type != "area" && !in.portals.contains(emitter))  // those of shapes
       add_emitter(in, *emitter);
-  for (const Object* sensor : root.nested("sensor")) add_camera(scene, *sensor);
-  for (const Object* integrator : root.nested("integrator")) read_integrator(*integrator);
-  for (const Object* scattering : root.nested("subsurface"))
+  for (const Element* sensor : root.nested("sensor")) add_camera(scene, *sensor);
+  for (const Element* integrator : root.nested("integrator")) read_integrator(*integrator);
+  for (const Element* scattering : root.nested("subsurface"))
     scattering->lose("subsurface scattering is left out");
-  for (const char* kind :
-       {"bsdf", "film", "medium", "phase", "random", "rfilter", "sampler", "texture", "volume"})
-    root.nested(kind);  // they wait for a reference to them, or are how to render
-  root.ignore(
-      "allow_thread_reordering compact_acceleration_structures "
-      "embree_use_robust_intersections kd_clip kd_empty_space_bonus "
-      "kd_exact_primitive_threshold kd_intersection_cost kd_max_bad_refines "
-      "kd_max_depth kd_min_max_bins kd_parallel_build kd_retract "
-      "kd_retract_bad_splits kd_stop_prims kd_traversal_cost");  // how rays are traced
-  lose_backs(in);
+  root.ignore_all();  // what waits for a reference to it, and how to render
   return scene;
 }
 

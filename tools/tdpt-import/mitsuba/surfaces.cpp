@@ -5,81 +5,71 @@
 
 #include "libcommon/base/words.h"
 #include "tools/tdpt-import/materials.h"
-#include "tools/tdpt-import/mitsuba/context.h"
+#include "tools/tdpt-import/mitsuba/mitsuba.h"
 
 namespace tdpt::foreign::mitsuba {
 namespace {
 
-float single(double v) {
-  return static_cast<float>(v);
+bool all_are(const Rgb& c, float value) {
+  return is_grey(c) && c.x == value;
 }
 
-bool is_one(const Rgb& c) {
-  return is_grey(c) && c.x == 1;
-}
-bool is_zero(const Rgb& c) {
-  return is_grey(c) && c.x == 0;
-}
-
-// A surface as its type says.
-struct Read {
+// A bsdf as a material; `turned` says that the material is that of the back.
+struct Bsdf {
   Material material;
-  bool turned = false, two_sided = false;
-  bool opaque = true;
+  bool turned = false, two_sided = false, opaque = true;
 };
-Read read(Context& in, const Object& bsdf);
+Bsdf read_bsdf(Context& in, const Element& bsdf);
 
-void near_to(const Object& bsdf, const char* what) {
+void lose_kind(const Element& bsdf, const char* what) {
   bsdf.lose(fmt::format("surfaces of type \"{}\" become {}", shown(bsdf.type, 40), what));
 }
 
-double ior(const Object& bsdf, const char* name, const char* otherwise) {
-  const Value* v = bsdf.find(name);
-  double n = 0;
-  if (v && v->tag != "string") {
-    n = bsdf.number(name, 1);
-  } else {
-    std::string material = bsdf.text(name, otherwise);
-    std::transform(material.begin(), material.end(), material.begin(), [](char c) {
-      return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-    });
-    const auto known = ior_named(material);
-    if (!known)
-      v->fail(
-          fmt::format("no material \"{}\" has a known index of refraction", shown(material, 40)));
-    n = *known;
-  }
-  if (!(n > 0.1 && n < 100)) v->fail(fmt::format("an index of refraction of {}", n));
-  return n;
+// An index of refraction: a number or the name of a medium.
+double ior(const Element& bsdf, const char* name, const char* otherwise) {
+  const Element* v = bsdf.find(name);
+  const bool is_number = v && v->tag != "string";
+  const std::string material = is_number ? "" : lower_case(bsdf.text(name, otherwise));
+  const auto n = is_number ? bsdf.number(name, 1) : ior_named(material);
+  if (!n)
+    v->fail(fmt::format("no material \"{}\" has a known index of refraction", shown(material, 40)));
+  if (!(*n > 0.1 && *n < 100)) v->fail(fmt::format("an index of refraction of {}", *n));
+  return *n;
 }
 
-double relative_ior(const Object& bsdf, const char* inside) {
-  if (bsdf.find("eta") && !bsdf.find("int_ior")) return bsdf.number("eta", 1);
+double relative_ior(const Element& bsdf, const char* inside) {
+  if (bsdf.find("eta") && !bsdf.find("int_ior")) return ior(bsdf, "eta", "air");
   return ior(bsdf, "int_ior", inside) / ior(bsdf, "ext_ior", "air");
 }
 
-Number alpha(Context& in, const Object& bsdf) {
+void lose_reflectance(Context& in, const Element& bsdf) {
+  if (!all_are(plain_colour(in, bsdf, "specular_reflectance", Rgb(1)), 1))
+    bsdf.lose("the specular_reflectance of glass and coats is left out");
+}
+
+// The roughness alpha; 0 for the types of smooth surfaces.
+Number alpha(Context& in, const Element& bsdf) {
+  if (!bsdf.type.starts_with("rough")) return {0.0f};
   const std::string distribution = bsdf.text("distribution", "beckmann");
   if (distribution != "ggx")
     bsdf.lose(fmt::format("microfacets of type \"{}\" become GGX", shown(distribution, 40)));
-  bsdf.ignore("sample_visible");  // how it is sampled
   if (!bsdf.find("alpha_u") && !bsdf.find("alpha_v")) return number(in, bsdf, "alpha", 0.1);
   const double u = plain_number(in, bsdf, "alpha_u", 0.1),
                v = plain_number(in, bsdf, "alpha_v", 0.1);
   if (u != v) bsdf.lose("anisotropic roughness becomes isotropic");
-  return {single(std::sqrt(std::max(0.0, u * v))), {}, {}};
+  return {single(std::sqrt(std::max(0.0, u * v)))};
 }
 
-Read nested(Context& in, const Object& bsdf) {
+Bsdf read_nested(Context& in, const Element& bsdf) {
   const auto all = bsdf.nested("bsdf");
   if (all.empty()) bsdf.fail(fmt::format("the {} has no bsdf in it", bsdf.described()));
-  return read(in, *all[0]);
+  return read_bsdf(in, *all[0]);
 }
 
-// ---- each type
+// ---- One function per family of types
 
-Read twosided(Context& in, const Object& bsdf) {
-  Read out = nested(in, bsdf);
+Bsdf read_twosided(Context& in, const Element& bsdf) {
+  Bsdf out = read_nested(in, bsdf);
   if (bsdf.nested("bsdf").size() > 1)
     bsdf.lose("of the two bsdfs of a twosided surface the first is taken");
   bsdf.ignore("allow_transmission");  // lets a nested bsdf transmit
@@ -87,37 +77,27 @@ Read twosided(Context& in, const Object& bsdf) {
   return out;
 }
 
-Read plain(Context& in, const Object& bsdf) {
-  if (bsdf.type == "roughdiffuse") {
-    near_to(bsdf, "Lambertian");
-    bsdf.ignore("alpha use_fast_approx");  // of Oren-Nayar
+// Lambertian surfaces, which also replace types that are not read.
+Bsdf read_diffuse(Context& in, const Element& bsdf) {
+  if (!is_one_of(bsdf.type, "diffuse lambertian")) {
+    lose_kind(bsdf, "Lambertian");
+    bsdf.ignore_all();
   }
-  const bool other_name = !bsdf.find("reflectance") && bsdf.find("diffuse_reflectance");
-  return {diffuse(colour(in, bsdf, other_name ? "diffuse_reflectance" : "reflectance", Rgb(0.5f)))};
+  const char* name = bsdf.find("reflectance") ? "reflectance" : "diffuse_reflectance";
+  return {diffuse(colour(in, bsdf, name, Rgb(0.5f)))};
 }
 
-// Those of which only the diffuse part is understood.
-Read coloured_plain(Context& in, const Object& bsdf) {
-  const bool has_colour = bsdf.find("diffuse_reflectance") || bsdf.find("reflectance");
-  bsdf.lose(fmt::format("surfaces of type \"{}\" are not read: Lambertian of {} in their place",
-                        shown(bsdf.type, 40), has_colour ? "their diffuse colour" : "grey 0.5"));
-  bsdf.ignore_all();
-  return {diffuse(colour(in, bsdf,
-                         bsdf.find("diffuse_reflectance") ? "diffuse_reflectance" : "reflectance",
-                         Rgb(0.5f)))};
-}
-
-Read plastic_like(Context& in, const Object& bsdf) {
-  const Number rough = bsdf.type == "plastic" ? Number{0.0f, {}, {}} : alpha(in, bsdf);
+Bsdf read_plastic(Context& in, const Element& bsdf) {
+  const Number rough = alpha(in, bsdf);
   const Colour base = colour(in, bsdf, "diffuse_reflectance", Rgb(0.5f));
   const double n = relative_ior(bsdf, "polypropylene");
   const bool nonlinear = bsdf.flag("nonlinear", false);
-  Read out{bsdf.type == "plastic" ? plastic(base, n, rough, nonlinear)
+  Bsdf out{bsdf.type == "plastic" ? plastic(base, n, rough, nonlinear)
                                   : rough_plastic(base, n, rough, nonlinear)};
   if (bsdf.type == "roughplastic")
     bsdf.lose("rough plastics reflect up to 4 % more or less than in Mitsuba");
   const Rgb tint = plain_colour(in, bsdf, "specular_reflectance", Rgb(1));
-  if (!is_one(tint)) {
+  if (!all_are(tint, 1)) {
     bsdf.lose(
         "where the specular_reflectance of a plastic is not 1, its base is off by what its "
         "interface keeps back");
@@ -125,59 +105,47 @@ Read plastic_like(Context& in, const Object& bsdf) {
     out.material.specular *= most;
     if (most > 0) out.material.specular_colour = tint / most;
   }
-  bsdf.ignore("specular_sampling_weight");  // how it is sampled
   return out;
 }
 
-Read conductor_like(Context& in, const Object& bsdf) {
-  const Number rough = bsdf.type == "conductor" ? Number{0.0f, {}, {}} : alpha(in, bsdf);
+Bsdf read_conductor(Context& in, const Element& bsdf) {
+  const Number rough = alpha(in, bsdf);
   if (const std::string lost = lost_of_rough_metal(rough); !lost.empty()) bsdf.lose(lost);
   const Colour tint = colour(in, bsdf, "specular_reflectance", Rgb(1));
-  const bool has_eta = bsdf.find("eta") || (bsdf.old && bsdf.find("k"));
   const std::string name = bsdf.text("material", bsdf.old ? "Cu" : "none");
-  // A whole mirror: also what Mitsuba 3 takes without a material.
-  const bool is_none = name == "none" && !has_eta;
-  if (is_none && !(bsdf.find("k") && !bsdf.old)) {
-    if (bsdf.old) bsdf.ignore("ext_eta");  // a mirror in any medium
-    return {metal(tint, rough)};
-  }
+  const bool is_given = bsdf.find("eta") || bsdf.find("k");
+  const double outside = bsdf.old ? ior(bsdf, "ext_eta", "air") : 1;  // Mitsuba 3 has no ext_eta
+  if (name == "none" && !is_given) return {metal(tint, rough)};
   std::array<Rgb, 2> eta_k{Rgb(0), Rgb(1)};
-  if (name != "none") {
+  if (name != "none" && (bsdf.old || !is_given)) {
     const auto known = conductor_named(name);
-    if (!known && !has_eta)
+    if (!known && !is_given)
       bsdf.lose(
           fmt::format("the metal \"{}\" is not known: aluminium in its place", shown(name, 40)));
-    if (known || !has_eta) eta_k = known ? *known : *conductor_named("Al");
+    if (known || !is_given) eta_k = known ? *known : *conductor_named("Al");
   }
-  if (has_eta || name == "none") {
-    if (!bsdf.old) eta_k = {Rgb(0), Rgb(1)};
+  if (is_given)
     eta_k = {plain_colour(in, bsdf, "eta", eta_k[0]), plain_colour(in, bsdf, "k", eta_k[1])};
-  }
-  if (bsdf.old) {  // Mitsuba 3 has no ext_eta
-    const float outside = single(ior(bsdf, "ext_eta", "air"));
-    for (Rgb& c : eta_k) c = c / outside;
-  }
-  eta_k = {max(eta_k[0], Rgb(0)), max(eta_k[1], Rgb(0))};
+  for (Rgb& c : eta_k) c = max(c / single(outside), Rgb(0));
   return {conductor(eta_k[0], eta_k[1], tint, rough)};
 }
 
-Read glass_like(Context& in, const Object& bsdf) {
+Bsdf read_dielectric(Context& in, const Element& bsdf) {
   const bool solid = bsdf.type != "thindielectric";
-  const Number rough = bsdf.type == "roughdielectric" ? alpha(in, bsdf) : Number{0.0f, {}, {}};
+  const Number rough = alpha(in, bsdf);
   double n = relative_ior(bsdf, "bk7");
-  Read out;
-  // A body that is thinner than what is around it is what is around it, seen from the back.
+  Bsdf out;
+  // A body of the lower index is a body of the medium around it, seen from the back.
   out.turned = solid && n < 1;
   if (n < 1) n = 1 / n;
   out.material = glass(n, colour(in, bsdf, "specular_transmittance", Rgb(1)), rough, solid);
   out.opaque = false;
-  const Rgb mirrored = plain_colour(in, bsdf, "specular_reflectance", Rgb(1));
-  if (!is_one(mirrored)) bsdf.lose("the specular_reflectance of glass is left out");
+  lose_reflectance(in, bsdf);
   return out;
 }
 
-Read mask(Context& in, const Object& bsdf) {
-  Read out = nested(in, bsdf);
+Bsdf read_mask(Context& in, const Element& bsdf) {
+  Bsdf out = read_nested(in, bsdf);
   Number opacity = number(in, bsdf, "opacity", 0.5);
   opacity.factor *= out.material.opacity.factor;
   if (out.material.opacity.texture) {
@@ -185,65 +153,57 @@ Read mask(Context& in, const Object& bsdf) {
     if (!opacity.texture) opacity.texture = out.material.opacity.texture;
   }
   out.material.opacity = opacity;
-  if (const Value* v = bsdf.find("opacity"); v && is_colour(*v))
-    if (!is_grey(colour_of(*v, bsdf.old, Role::surface)))
-      bsdf.lose("the colour of an opacity becomes grey");
   return out;
 }
 
-Read bump(Context& in, const Object& bsdf) {
-  Read out = nested(in, bsdf);
+Bsdf read_normal_map(Context& in, const Element& bsdf) {
+  Bsdf out = read_nested(in, bsdf);
   const auto maps = bsdf.nested("texture");
   if (maps.empty()) bsdf.fail(fmt::format("the {} has no texture in it", bsdf.described()));
   bsdf.ignore("flip_invalid_normals use_shadowing_function");  // of normals seen from behind
-  // 0.x reads bitmaps of these as numbers.
-  const Colour c = texture(in, *maps[0], Role::surface, bsdf.old);
+  const Colour c = texture(in, *maps[0], Role::surface);
   if (!c.texture) return out;
-  if (bsdf.type == "normalmap") {
-    const Image& image = in.scene.images[c.texture->image];
-    if (image.bytes.empty() || bsdf.source->has(image.name, bsdf.place))  // a stand-in is no normal
-      out.material.normal = c.texture;
-  } else {
-    out.material.bump = c.texture;
-    out.material.bump_scale = mean(c.factor) * bsdf.number("scale", 1);
-  }
+  const Image& image = in.scene.images[c.texture->image];
+  if (image.bytes.empty() || bsdf.source->has(image.name, bsdf.place))  // a stand-in is no normal
+    out.material.normal = c.texture;
   return out;
 }
 
-Read blend(Context& in, const Object& bsdf) {
-  const auto all = bsdf.nested("bsdf");
-  if (all.size() != 2)
-    bsdf.fail(fmt::format("the blendbsdf has {} bsdfs in it, expected 2", all.size()));
-  near_to(bsdf, "the heavier of the two");
-  const Number weight = number(in, bsdf, "weight", 0.5);
-  return read(in, *all[!weight.texture && weight.factor > 0.5f ? 1 : 0]);
+Bsdf read_bump(Context& in, const Element& bsdf) {
+  bsdf.lose("bump maps are left out");
+  bsdf.ignore_all();
+  return read_nested(in, bsdf);
 }
 
-Read mixture(Context& in, const Object& bsdf) {
+// A mixture becomes its heaviest part.
+Bsdf read_mixture(Context& in, const Element& bsdf) {
   const auto all = bsdf.nested("bsdf");
   std::vector<double> weights;
-  for (const std::string& word : split(bsdf.needed_text("weights"), " ,;\t\r\n")) {
-    const auto w = number_of(word);
-    if (!w)
-      bsdf.find("weights")->fail(fmt::format("\"{}\" is not a finite number", shown(word, 40)));
-    weights.push_back(*w);
+  if (bsdf.type == "blendbsdf") {
+    const Number second = number(in, bsdf, "weight", 0.5);
+    const double w = second.texture ? 0.5 : second.factor;
+    weights = {1 - w, w};
+  } else {
+    for (const std::string& word : split(bsdf.needed_text("weights"), " ,;\t\r\n"))
+      weights.push_back(bsdf.find("weights")->finite(word));
   }
   if (weights.size() != all.size() || all.empty())
     bsdf.fail(
-        fmt::format("the mixturebsdf has {} bsdfs and {} weights", all.size(), weights.size()));
-  near_to(bsdf, "the heaviest of those mixed");
-  return read(in, *all[static_cast<size_t>(std::max_element(weights.begin(), weights.end()) -
-                                           weights.begin())]);
+        fmt::format("the {} has {} bsdfs and {} weights", bsdf.type, all.size(), weights.size()));
+  lose_kind(bsdf, "the heaviest of those mixed");
+  return read_bsdf(in, *all[static_cast<size_t>(std::max_element(weights.begin(), weights.end()) -
+                                                weights.begin())]);
 }
 
-// A coat sends what its inside throws back nowhere, so it darkens what scatters widely
-// [coating.cpp]. Over a Lambertian surface it is plastic without that light; otherwise glTF's coat.
-Read coated(Context& in, const Object& bsdf) {
-  Read out = nested(in, bsdf);
+// Mitsuba's coats drop the light that they reflect back inside, so they darken diffuse surfaces
+// [coating.cpp]. A coat over a Lambertian surface becomes plastic without that light, others become
+// glTF's clear coat.
+Bsdf read_coating(Context& in, const Element& bsdf) {
+  Bsdf out = read_nested(in, bsdf);
   Material& m = out.material;
   const double n = relative_ior(bsdf, "bk7"), inside = n < 1 ? n : 1 / n;
   const bool smooth = bsdf.type == "coating";
-  Number rough = smooth ? Number{0.0f, {}, {}} : alpha(in, bsdf);
+  const Number rough = alpha(in, bsdf);
   const bool lambertian = m.specular == 0 && m.transmission == 0 && m.coat == 0 && !m.invisible;
   if (lambertian) {
     const double a = std::clamp(static_cast<double>(rough.factor), 1e-3, 1.0);
@@ -255,33 +215,28 @@ Read coated(Context& in, const Object& bsdf) {
     m.base = plain.base, m.roughness = plain.roughness;
     m.specular = plain.specular, m.ior = plain.ior;
   } else {
-    if (m.metallic < 1 || m.roughness.factor > 0 || m.roughness.texture)
+    if (m.metallic < 1 || m.roughness.factor > 0 || m.roughness.texture || rough.texture ||
+        std::abs(n - 1.5) > 0.02)
       bsdf.lose(
-          "coats darken what scatters below them less than in Mitsuba, which drops the light that "
-          "they throw back");
-    if (std::abs(n - 1.5) > 0.02)
-      bsdf.lose(fmt::format("coats of index {:.4g} become ones of index 1.5", n));
-    if (rough.texture) bsdf.lose("the texture of a coat's roughness is left out");
+          "coats become glTF's, which have the index 1.5, darken less and are as rough everywhere");
     m.coat = 1;
     m.coat_roughness = std::sqrt(std::clamp(rough.texture ? 0.1f : rough.factor, 0.0f, 1.0f));
   }
-  const double thickness = bsdf.number("thickness", 1);
-  if (thickness != 0 && !is_zero(plain_colour(in, bsdf, "sigma_a", Rgb(0))))
+  if (bsdf.number("thickness", 1) != 0 && !all_are(plain_colour(in, bsdf, "sigma_a", Rgb(0)), 0))
     bsdf.lose("the absorption in coats is left out");
-  if (!is_one(plain_colour(in, bsdf, "specular_reflectance", Rgb(1))))
-    bsdf.lose("the specular_reflectance of coats is left out");
+  lose_reflectance(in, bsdf);
   return out;
 }
 
-Read invisible(Context&, const Object&) {
-  Read out{diffuse({Rgb(0), {}, {}})};
+Bsdf read_null(Context&, const Element&) {
+  Bsdf out{diffuse({Rgb(0)})};
   out.material.invisible = true;
   out.opaque = false;
   return out;
 }
 
-// [Burley 2012, 2015]: what glTF has of it.
-Read principled(Context& in, const Object& bsdf) {
+// The parts of [Burley 2012, 2015] that glTF has.
+Bsdf read_principled(Context& in, const Element& bsdf) {
   const bool thin = bsdf.type == "principledthin";
   const Colour base = colour(in, bsdf, "base_color", Rgb(0.5f));
   const Number roughness = number(in, bsdf, "roughness", 0.5);
@@ -294,25 +249,19 @@ Read principled(Context& in, const Object& bsdf) {
   if (bsdf.find("eta")) n = plain_number(in, bsdf, "eta", 1.5);
   if (!(n > 0.1 && n < 100)) bsdf.fail(fmt::format("an index of refraction of {}", n));
   if (n < 1) n = 1 / n;
-  Read out;
+  Bsdf out;
   Material& m = out.material;
   // Thin sheets have an interface only where they transmit.
   m = burley(base, n, roughness, metallic, thin ? transmission : 1);
-  const Number square{roughness.factor * roughness.factor, roughness.texture, {}};
-  if (transmission == 1 && metallic == 0) {
-    m.base = base;
-    if (thin)
-      bsdf.lose("thin surfaces that transmit scatter as glTF has it");
-    else  // a body colours by the root at each side
-      m.base = through(
-          base, [](const Rgb& c) { return Rgb(std::sqrt(c.x), std::sqrt(c.y), std::sqrt(c.z)); });
-  } else if (transmission > 0) {
-    bsdf.lose("surfaces between opaque and transparent are mixed as glTF has it");
-  } else if (metallic < 1 || !lost_of_rough_metal(square).empty()) {
+  const Number square{roughness.factor * roughness.factor, roughness.texture};
+  const bool is_glass = transmission == 1 && metallic == 0;
+  if (is_glass)  // a body colours by the root at each side
+    m.base = thin ? base : through(base, [](float c) { return std::sqrt(c); });
+  if (!(is_glass && !thin) &&
+      (transmission > 0 || metallic < 1 || !lost_of_rough_metal(square).empty()))
     bsdf.lose(
-        "principled surfaces reflect as much as in Mitsuba on the whole, but up to a tenth more or "
-        "less by direction");
-  }
+        "principled surfaces become glTF's, which reflect as much on the whole, but up to a tenth "
+        "more or less by direction");
   m.transmission = single(transmission);
   m.solid = !thin;
   m.coat = single(0.25 * plain_number(in, bsdf, "clearcoat", 0));
@@ -326,46 +275,41 @@ Read principled(Context& in, const Object& bsdf) {
     if (v.texture || v.factor != 0)
       bsdf.lose(fmt::format("the \"{}\" of principled surfaces is left out", name));
   }
-  bsdf.ignore(
-      "sheen_tint main_specular_sampling_rate clearcoat_sampling_rate "
-      "diffuse_reflectance_sampling_rate specular_reflectance_sampling_rate "
-      "specular_transmittance_sampling_rate diffuse_transmittance_sampling_rate");  // of sheen; how
-                                                                                    // it is sampled
+  bsdf.ignore("sheen_tint");
   out.opaque = m.transmission == 0;
   return out;
 }
 
-Read read(Context& in, const Object& bsdf) {
-  static constexpr std::pair<const char*, Read (*)(Context&, const Object&)> kReaders[] = {
-      {"twosided", twosided},
-      {"diffuse lambertian roughdiffuse", plain},
-      {"plastic roughplastic", plastic_like},
-      {"conductor roughconductor", conductor_like},
-      {"dielectric roughdielectric thindielectric", glass_like},
-      {"mask", mask},
-      {"bumpmap bump normalmap", bump},
-      {"blendbsdf", blend},
-      {"mixturebsdf", mixture},
-      {"coating roughcoating", coated},
-      {"null", invisible},
-      {"principled principledthin", principled},
+Bsdf read_bsdf(Context& in, const Element& bsdf) {
+  static constexpr std::pair<const char*, Bsdf (*)(Context&, const Element&)> kReaders[] = {
+      {"twosided", read_twosided},
+      {"plastic roughplastic", read_plastic},
+      {"conductor roughconductor", read_conductor},
+      {"dielectric roughdielectric thindielectric", read_dielectric},
+      {"mask", read_mask},
+      {"bumpmap bump", read_bump},
+      {"normalmap", read_normal_map},
+      {"blendbsdf mixturebsdf", read_mixture},
+      {"coating roughcoating", read_coating},
+      {"null", read_null},
+      {"principled principledthin", read_principled},
   };
-  bsdf.key.take();
+  bsdf.contents.take();
   for (const auto& [types, reader] : kReaders)
     if (is_one_of(bsdf.type, types)) return reader(in, bsdf);
-  return coloured_plain(in, bsdf);
+  return read_diffuse(in, bsdf);
 }
 
-// ---- media
+// ---- Media
 
-// What is in a body: glTF has absorption alone.
-void absorb(Context& in, const Object& medium, Read& surface) {
+// Adds the medium inside a body; glTF has absorption only.
+void absorb(Context& in, const Element& medium, Bsdf& surface) {
   if (medium.type != "homogeneous" || surface.opaque || !surface.material.solid || surface.turned)
     return medium.lose(kMedia);
-  for (const Value& v : medium.values)  // volumes and named materials
-    if ((v.object && v.object->tag != "phase") || v.name == "material") return medium.lose(kMedia);
+  for (const Element* v : medium.children)  // volumes and named materials
+    if ((v->object && v->tag != "phase") || v->name == "material") return medium.lose(kMedia);
   medium.nested("phase");
-  medium.ignore("has_spectral_extinction sample_emitters");  // how it is sampled
+  medium.ignore("has_spectral_extinction");
   const Rgb scale = Rgb(single(medium.number("scale", 1)));
   Rgb absorbed(0), scattered(0);
   if (medium.find("sigma_t") || medium.find("albedo")) {
@@ -376,7 +320,7 @@ void absorb(Context& in, const Object& medium, Read& surface) {
     absorbed = plain_colour(in, medium, "sigma_a", Rgb(0));
     scattered = plain_colour(in, medium, "sigma_s", Rgb(0));
   }
-  if (!is_zero(scattered)) {
+  if (!all_are(scattered, 0)) {
     medium.ignore_all();
     return medium.lose(kMedia);
   }
@@ -386,14 +330,14 @@ void absorb(Context& in, const Object& medium, Read& surface) {
 
 }  // namespace
 
-Surface surface(Context& in, const Object& bsdf, const Object* interior) {
+Surface surface(Context& in, const Element& bsdf, const Element* interior) {
   const auto key = std::pair{&bsdf, interior};
   if (const auto it = in.surfaces.find(key); it != in.surfaces.end()) return it->second;
-  Read r = read(in, bsdf);
+  Bsdf r = read_bsdf(in, bsdf);
   if (interior) absorb(in, *interior, r);
   r.material.name = bsdf.id.empty() ? bsdf.type : bsdf.id;
   const bool black =
-      !r.material.base.texture && is_zero(r.material.base.factor) && r.material.specular == 0;
+      !r.material.base.texture && all_are(r.material.base.factor, 0) && r.material.specular == 0;
   in.scene.materials.push_back(std::move(r.material));
   return in.surfaces[key] = {in.scene.materials.size() - 1, r.turned,
                              r.opaque && !r.two_sided && !black};

@@ -4,7 +4,7 @@
 
 #include "libcommon/base/words.h"
 #include "tools/tdpt-import/materials.h"
-#include "tools/tdpt-import/mitsuba/context.h"
+#include "tools/tdpt-import/mitsuba/mitsuba.h"
 
 namespace tdpt::foreign::mitsuba {
 namespace {
@@ -13,18 +13,11 @@ namespace {
 
 using Samples = std::vector<std::array<double, 2>>;
 
-float single(double v) {
-  return static_cast<float>(v);
-}
+constexpr double kMost = 1e30;  // of a component
 
-double finite(const std::string& word, const Value& value) {
-  if (const auto n = number_of(word); n && std::abs(*n) < 1e30) return *n;
-  value.fail(fmt::format("\"{}\" is not a finite number", shown(word, 40)));
-}
-
-// One or three numbers, or #rrggbb.
-Rgb three(const Value& value) {
-  const auto words = split(value.text());
+// Parses one or three numbers, or #rrggbb.
+Rgb rgb_numbers(const Element& value) {
+  const auto words = split(value.attribute());
   if (words.size() == 1 && words[0][0] == '#') {
     if (words[0].size() != 7 ||
         words[0].find_first_not_of("0123456789abcdefABCDEF", 1) != std::string::npos)
@@ -34,15 +27,13 @@ Rgb three(const Value& value) {
   }
   if (words.size() != 1 && words.size() != 3)
     value.fail(fmt::format("a colour of {} numbers, expected 3", words.size()));
-  const auto at = [&](size_t i) { return single(finite(words[words.size() == 1 ? 0 : i], value)); };
+  const auto at = [&](size_t i) {
+    return single(value.finite(words[words.size() == 1 ? 0 : i], kMost));
+  };
   return {at(0), at(1), at(2)};
 }
 
-float linear(float v) {
-  return v <= 0.04045f ? v / 12.92f : std::pow((v + 0.055f) / 1.055f, 2.4f);
-}
-
-// Colour of a light with a spectrum of which 1 is a constant 1: not white.
+// The colour of a light whose spectrum is 1 at all wavelengths; it is not white.
 Rgb of_equal_energy() {
   return rgb_of_xyz(Rgb(1));
 }
@@ -54,7 +45,7 @@ constexpr double kD65[] = {49.98,  54.65,  82.75,  91.49,  93.43,  86.68,  104.8
                            80.03,  80.21,  82.28,  78.28,  69.72,  71.61,  74.35,  61.60,  69.89,
                            75.09,  63.59,  46.42,  66.81,  63.38};
 
-// Outside its samples a spectrum is 0.
+// The spectrum at a wavelength [nm]; 0 outside its samples.
 double value_at(const Samples& samples, double nm) {
   if (nm < samples.front()[0] || nm > samples.back()[0]) return 0;
   for (size_t i = 1; i < samples.size(); ++i)
@@ -65,8 +56,8 @@ double value_at(const Samples& samples, double nm) {
   return samples.back()[1];
 }
 
-// Colour of a surface in the light that shines white.
-Rgb lit(const Samples& samples) {
+// The colour of a surface in the light D65, which is white.
+Rgb reflected_colour(const Samples& samples) {
   Samples light, reflected;
   for (int nm = 380; nm <= 780; nm += 2) {
     const int i = (nm - 380) / 10, rest = (nm - 380) % 10;
@@ -78,62 +69,43 @@ Rgb lit(const Samples& samples) {
   return {c.x / white.x, c.y / white.y, c.z / white.z};
 }
 
-Rgb sampled(Samples samples, const Value& value, bool old, Role role) {
-  if (samples.empty()) value.fail("a spectrum without values");
-  for (size_t i = 0; i < samples.size(); ++i) {
-    const double nm = samples[i][0];
+// The colour of a spectrum; `words` are a wavelength [nm] and a value in turn.
+Rgb sampled_colour(const std::vector<std::string>& words, const Element& value, Role role) {
+  if (words.empty() || words.size() % 2 != 0)
+    value.fail(
+        fmt::format("a spectrum of {} numbers, expected pairs wavelength:value", words.size()));
+  Samples samples;
+  for (size_t i = 0; i < words.size(); i += 2) {
+    const double nm = value.finite(words[i], kMost);
     if (!(nm > 0 && nm < 1e6)) value.fail(fmt::format("a wavelength of {} nm", nm));
-    if (i > 0 && !(nm > samples[i - 1][0])) value.fail("wavelengths are not in ascending order");
+    if (i > 0 && !(nm > samples.back()[0])) value.fail("wavelengths are not in ascending order");
+    samples.push_back({nm, value.finite(words[i + 1], kMost)});
   }
-  if (!old && role == Role::surface) return lit(samples);
+  if (!value.old && role == Role::surface) return reflected_colour(samples);
   samples.insert(samples.begin(), {samples.front()[0], 0});
   samples.push_back({samples.back()[0], 0});
   return rgb_of_spectrum(samples) * of_equal_energy();
 }
 
-// Pairs of a wavelength and a value, one a line.
-Samples file(const Value& value) {
-  Samples out;
-  for (std::string line : split(value.source->read(value.text("filename"), value.place), "\r\n")) {
-    line = line.substr(0, line.find('#'));
-    const auto words = split(line);
-    if (words.empty()) continue;
-    if (words.size() < 2)
-      value.fail("its file has a line with one number, expected a wavelength and a value");
-    out.push_back({finite(words[0], value), finite(words[1], value)});
+// Reads a file of pairs with comments, pairs with colons, or one number.
+Rgb spectrum_colour(const Element& value, Role role) {
+  if (value.attributes.contains("filename")) {
+    std::string numbers;
+    const std::string text = value.source->read(value.attribute("filename"), value.place);
+    for (const std::string& line : split(text, "\r\n"))
+      numbers += line.substr(0, line.find('#')) + " ";
+    return sampled_colour(split(numbers), value, role);
   }
-  return out;
+  const std::string& text = value.attribute();
+  if (text.find(':') != text.npos) return sampled_colour(split(text, " :,\t\r\n"), value, role);
+  const Rgb c = rgb_numbers(value);
+  const bool is_even = split(text).size() == 1 && !value.old && role == Role::light;
+  return is_even ? c * of_equal_energy() : c;
 }
 
-Rgb spectrum(const Value& value, bool old, Role role) {
-  if (value.attributes.contains("filename")) return sampled(file(value), value, old, role);
-  const auto words = split(value.text());
-  if (words.size() == 1 && words[0].find(':') == std::string::npos) {
-    const Rgb grey(single(finite(words[0], value)));
-    return !old && role == Role::light ? grey * of_equal_energy() : grey;
-  }
-  if (words.empty()) value.fail("a spectrum without values");
-  if (words[0].find(':') == std::string::npos) {
-    if (words.size() != 3)
-      value.fail(
-          fmt::format("a spectrum of {} values, expected pairs wavelength:value", words.size()));
-    return three(value);
-  }
-  Samples samples;
-  for (const std::string& word : words) {
-    const size_t colon = word.find(':');
-    if (colon == word.npos)
-      value.fail(fmt::format("\"{}\" is no pair wavelength:value", shown(word, 40)));
-    samples.push_back(
-        {finite(word.substr(0, colon), value), finite(word.substr(colon + 1), value)});
-  }
-  return sampled(std::move(samples), value, old, role);
-}
-
-// Radiance per nanometre [W/m2/sr/nm], as Mitsuba takes it. Values and objects fail alike.
-template <class Holder>
-Rgb blackbody(double kelvin, const Holder& holder) {
-  if (!(kelvin > 0 && kelvin < 1e6)) holder.fail(fmt::format("a temperature of {} K", kelvin));
+// The radiance of a black body per nanometre [W/m2/sr/nm], as Mitsuba has it.
+Rgb blackbody_colour(double kelvin, const Element& value) {
+  if (!(kelvin > 0 && kelvin < 1e6)) value.fail(fmt::format("a temperature of {} K", kelvin));
   Samples samples;
   for (double nm = 360; nm <= 830; nm += 5) {
     const double m = nm * 1e-9, c = 299792458, h = 6.62607015e-34, k = 1.380649e-23;
@@ -143,52 +115,34 @@ Rgb blackbody(double kelvin, const Holder& holder) {
   return rgb_of_spectrum(samples) * of_equal_energy();
 }
 
-}  // namespace
-
-bool is_colour(const Value& value) {
+bool is_colour(const Element& value) {
   return is_one_of(value.tag, "float integer rgb srgb spectrum blackbody");
 }
 
-Rgb colour_of(const Value& value, bool old, Role role) {
-  if (value.tag == "rgb") return three(value);
+// The colour of a float, rgb, srgb, spectrum or blackbody.
+Rgb colour_of(const Element& value, Role role) {
+  if (value.tag == "rgb") return rgb_numbers(value);
   if (value.tag == "srgb") {
-    const Rgb c = three(value);
+    const auto linear = [](float v) {
+      return v <= 0.04045f ? v / 12.92f : std::pow((v + 0.055f) / 1.055f, 2.4f);
+    };
+    const Rgb c = rgb_numbers(value);
     return {linear(c.x), linear(c.y), linear(c.z)};
   }
-  if (value.tag == "spectrum") return spectrum(value, old, role);
+  if (value.tag == "spectrum") return spectrum_colour(value, role);
   if (value.tag == "blackbody") {
-    std::string kelvin = value.text("temperature");
+    std::string kelvin = value.attribute("temperature");
     kelvin.resize(kelvin.find_last_not_of(" kK") + 1);
-    const double scale = value.attributes.contains("scale") ? value.number("scale") : 1;
-    return blackbody(finite(kelvin, value), value) * single(scale);
+    const std::string scale = value.attributes.contains("scale") ? value.attribute("scale") : "1";
+    return blackbody_colour(value.finite(kelvin, kMost), value) * single(value.finite(scale));
   }
-  return Rgb(single(finite(value.text(), value)));
-}
-
-float mean(const Rgb& c) {
-  return (c.x + c.y + c.z) / 3;
-}
-bool is_grey(const Rgb& c) {
-  return c.x == c.y && c.y == c.z;
+  return Rgb(single(value.finite(value.attribute(), kMost)));
 }
 
 // ---- Textures ----
 
-namespace {
-
-Colour plain(const Rgb& c) {
-  return {c, {}, {}};
-}
-
-Colour value_of(Context& in, const Value& value, bool old, Role role) {
-  if (is_colour(value)) return plain(colour_of(value, old, role));
-  if (value.object && value.object->tag == "texture") return texture(in, *value.object, role);
-  value.fail(fmt::format("\"{}\" is a {}, expected a colour or texture", shown(value.name, 40),
-                         shown(value.tag, 40)));
-}
-
-// Mitsuba's v = 0 is the top row of an image, as glTF's.
-std::array<double, 6> placement(const Object& texture) {
+// The map of texture coordinates. v = 0 is the top row of an image in Mitsuba and in glTF.
+std::array<double, 6> uv_map(const Element& texture) {
   std::array<double, 6> map{1, 0, 0, 0, 1, 0};
   if (texture.old) {
     const double both = texture.number("uvscale", 1);
@@ -198,11 +152,11 @@ std::array<double, 6> placement(const Object& texture) {
            texture.number("vscale", both), texture.number("voffset", 0)};
   }
   if (!texture.find("to_uv")) return map;
-  const Affine m = texture.map("to_uv");
+  const Affine m = texture.transform("to_uv");
   return {m.x.x, m.y.x, m.t.x, m.x.y, m.y.y, m.t.y};
 }
 
-Texture::Wrap wrap(const Object& texture, const std::string& mode) {
+Texture::Wrap wrap_of(const Element& texture, const std::string& mode) {
   if (mode == "mirror") return Texture::Wrap::mirror;
   if (mode == "repeat") return Texture::Wrap::repeat;
   if (mode != "clamp")
@@ -210,16 +164,16 @@ Texture::Wrap wrap(const Object& texture, const std::string& mode) {
   return Texture::Wrap::clamp;
 }
 
-Colour bitmap(Context& in, const Object& texture, bool raw) {
+Colour read_bitmap(Context& in, const Element& texture) {
   Texture t;
   t.image = image(in, texture);
-  t.map = placement(texture);
+  t.map = uv_map(texture);
   t.nearest = texture.text("filter_type", "bilinear") == "nearest";
   const std::string mode = texture.text("wrap_mode", "repeat");
-  t.wrap_u = wrap(texture, texture.text("wrap_mode_u", mode));
-  t.wrap_v = wrap(texture, texture.text("wrap_mode_v", mode));
-  // 0: as the file says.
-  const double gamma = texture.number("gamma", texture.old && raw ? 1 : 0);
+  t.wrap_u = wrap_of(texture, texture.text("wrap_mode_u", mode));
+  t.wrap_v = wrap_of(texture, texture.text("wrap_mode_v", mode));
+  // A gamma of 0 means that of the file.
+  const double gamma = texture.number("gamma", 0);
   t.srgb = gamma != 1 && !texture.flag("raw", false);
   if (gamma != 0 && gamma != 1 && gamma != -1)
     texture.lose(fmt::format("a gamma of {:g} becomes that of sRGB", gamma));
@@ -229,89 +183,87 @@ Colour bitmap(Context& in, const Object& texture, bool raw) {
     texture.lose(fmt::format("of the picture's channel \"{}\" all three colours are taken",
                              shown(channel, 40)));
   texture.ignore("cache max_anisotropy accel format");  // how it is kept and filtered
-  return {Rgb(1), t, {}};
+  return {Rgb(1), t};
 }
 
-Colour checkerboard(Context& in, const Object& texture) {
+Colour read_checkerboard(Context& in, const Element& texture) {
   const Rgb a = plain_colour(in, texture, "color0", Rgb(0.4f));
   const Rgb b = plain_colour(in, texture, "color1", Rgb(0.2f));
   in.scene.images.push_back({"checkerboard", {}, 2, 2, {a, b, b, a}});
   Texture t;
   t.image = in.scene.images.size() - 1;
   t.nearest = true;
-  t.map = placement(texture);
-  return {Rgb(1), t, {}};
+  t.map = uv_map(texture);
+  return {Rgb(1), t};
 }
 
-// A spectrum of two lists.
-Colour irregular(const Object& texture, Role role) {
+// Reads a spectrum from a list of wavelengths and a list of values.
+Colour read_irregular(const Element& texture, Role role) {
   const auto nm = split(texture.needed_text("wavelengths")),
-             v = split(texture.needed_text("values"));
-  if (nm.size() != v.size() || nm.empty())
-    texture.fail(fmt::format("{} wavelengths and {} values", nm.size(), v.size()));
-  const Value& values = *texture.find("values");
-  Samples samples;
-  for (size_t i = 0; i < nm.size(); ++i)
-    samples.push_back({finite(nm[i], values), finite(v[i], values)});
-  return plain(sampled(std::move(samples), values, texture.old, role));
+             values = split(texture.needed_text("values"));
+  if (nm.size() != values.size())
+    texture.fail(fmt::format("{} wavelengths and {} values", nm.size(), values.size()));
+  std::vector<std::string> pairs;
+  for (size_t i = 0; i < nm.size(); ++i) pairs.insert(pairs.end(), {nm[i], values[i]});
+  return {sampled_colour(pairs, *texture.find("values"), role)};
 }
 
-Colour read_texture(Context& in, const Object& texture, Role role, bool raw) {
+Colour read_texture(Context& in, const Element& texture, Role role) {
   const std::string& type = texture.type;
-  // That of the texture within, if there is one, or of the value of that name.
+  texture.ignore("wavelength_min wavelength_max lambda_min lambda_max");  // of what is visible
+  // The nested texture, or the value of that name if there is none.
   const auto inner = [&](const std::string& name) {
     const auto nested = texture.nested("texture");
     return nested.empty() ? colour(in, texture, name, Rgb(1), role)
-                          : mitsuba::texture(in, *nested[0], role, raw);
+                          : mitsuba::texture(in, *nested[0], role);
   };
-  const auto ignore_ends = [&] {  // outside of what is visible
-    texture.ignore("wavelength_min wavelength_max lambda_min lambda_max");
-  };
-  if (type == "bitmap" || type == "ldrtexture") return bitmap(in, texture, raw);
-  if (type == "checkerboard") return checkerboard(in, texture);
-  if (type == "scale") {
+  if (is_one_of(type, "bitmap ldrtexture")) return read_bitmap(in, texture);
+  if (type == "checkerboard") return read_checkerboard(in, texture);
+  if (is_one_of(type, "scale uniform rawconstant d65")) {
     const Rgb scale = plain_colour(in, texture, "scale", Rgb(1), role);
-    Colour c = inner("value");
+    Colour c = inner(texture.find("color") ? "color" : "value");
     c.factor = c.factor * scale;
     return c;
-  }
-  if (is_one_of(type, "uniform rawconstant d65")) {
-    const Colour c = inner(texture.find("color") ? "color" : "value");
-    ignore_ends();
-    return {c.factor * single(texture.number("scale", 1)), c.texture, {}};
   }
   if (type == "srgb") {
     texture.ignore("unbounded");  // a check
     return colour(in, texture, "color", Rgb(0), role);
   }
-  if (type == "irregular" && texture.find("wavelengths")) return irregular(texture, role);
-  if (type == "blackbody") {
-    if (!texture.find("temperature")) texture.fail("the blackbody has no \"temperature\"");
-    ignore_ends();
-    return plain(blackbody(texture.number("temperature", 0), texture));
-  }
+  if (type == "irregular" && texture.find("wavelengths")) return read_irregular(texture, role);
+  if (type == "blackbody" && texture.find("temperature"))
+    return {blackbody_colour(texture.number("temperature", 0), texture)};
   texture.lose(fmt::format("textures of type \"{}\" are not read: grey of 0.5 in their place",
                            shown(type, 40)));
   texture.ignore_all();
-  return plain(Rgb(0.5f));
+  return {Rgb(0.5f)};
 }
 
 }  // namespace
 
-Colour colour(Context& in, const Object& object, const std::string& name, const Rgb& otherwise,
-              Role role) {
-  const Value* v = object.find(name);
-  return v ? value_of(in, *v, object.old, role) : plain(otherwise);
+float mean(const Rgb& c) {
+  return (c.x + c.y + c.z) / 3;
+}
+bool is_grey(const Rgb& c) {
+  return c.x == c.y && c.y == c.z;
 }
 
-Number number(Context& in, const Object& object, const std::string& name, double otherwise) {
+Colour colour(Context& in, const Element& object, const std::string& name, const Rgb& otherwise,
+              Role role) {
+  const Element* v = object.find(name);
+  if (!v) return Colour{otherwise};
+  if (is_colour(*v)) return {colour_of(*v, role)};
+  if (v->tag == "texture") return texture(in, *v->object, role);
+  v->fail(fmt::format("\"{}\" is a {}, expected a colour or texture", name, shown(v->tag, 40)));
+}
+
+Number number(Context& in, const Element& object, const std::string& name, double otherwise) {
   const Colour c = colour(in, object, name, Rgb(single(otherwise)));
   Number out{object.find(name) ? mean(c.factor) : single(otherwise), c.texture, {}};
   if (out.texture) out.texture->luminance = !object.old;
   return out;
 }
 
-Rgb plain_colour(Context& in, const Object& object, const std::string& name, const Rgb& otherwise,
+Rgb plain_colour(Context& in, const Element& object, const std::string& name, const Rgb& otherwise,
                  Role role) {
   const Colour c = colour(in, object, name, otherwise, role);
   if (!c.texture) return c.factor;
@@ -320,17 +272,17 @@ Rgb plain_colour(Context& in, const Object& object, const std::string& name, con
   return otherwise;
 }
 
-double plain_number(Context& in, const Object& object, const std::string& name, double otherwise) {
+double plain_number(Context& in, const Element& object, const std::string& name, double otherwise) {
   return mean(plain_colour(in, object, name, Rgb(single(otherwise))));
 }
 
-Colour texture(Context& in, const Object& object, Role role, bool raw) {
-  const auto key = std::tuple{&object, role, raw};
+Colour texture(Context& in, const Element& object, Role role) {
+  const auto key = std::pair{&object, role};
   if (const auto it = in.textures.find(key); it != in.textures.end()) return it->second;
-  return in.textures[key] = read_texture(in, object, role, raw);
+  return in.textures[key] = read_texture(in, object, role);
 }
 
-size_t image(Context& in, const Object& object) {
+size_t image(Context& in, const Element& object) {
   const std::string file = object.needed_text("filename");
   const auto it = in.images.find(file);
   if (it != in.images.end()) return it->second;
