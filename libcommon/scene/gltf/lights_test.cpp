@@ -112,7 +112,6 @@ TEST(PunctualLights, TheirUnitsGoByWhoWroteTheFile) {
     return scene_with(lamps, Json::object(), 1, generator).lamp_units.kind;
   };
   EXPECT_EQ(by("Khronos glTF Blender I/O v3.4.50"), LampUnits::Kind::photometric);
-  EXPECT_EQ(by("Khronos glTF Blender I/O v2.93.1"), LampUnits::Kind::watts);
   EXPECT_EQ(by(7), LampUnits::Kind::radiometric);
 }
 
