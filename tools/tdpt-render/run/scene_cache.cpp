@@ -136,11 +136,12 @@ void SceneCache::read(const RenderArguments& a, const cli::Common& common) {
   in_ = {};
   in_.scene = file_->at(a.pose.seconds);
   common.also_read(in_.scene.files);
+  if (first_)
+    for (const std::string& warning : in_.scene.warnings) common.warn(warning);
   in_.files.push_back({a.scene, in_.scene.hash, {}});
   take_camera(a, common);
   add_sky(in_.scene, a.sky, common, in_.files);
   if (first_) {
-    for (const std::string& warning : in_.scene.warnings) common.warn(warning);
     note_unit(in_.scene, common);
     note_lost_light(in_.scene, common);
   }
