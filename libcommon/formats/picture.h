@@ -68,24 +68,11 @@ std::vector<std::string> exr_channels(std::string_view bytes, const std::string&
 /// the file has another size or lacks one of them.
 void parse_exr_words(std::string_view bytes, const std::string& name, int width, int height,
                      const std::vector<WordChannel>& words);
-/// How a file stores its numbers. DWA is lossy.
-struct Storage {
-  enum Pixels { real, half } pixels = real;
-  enum Compression { zip, dwaa, dwab } compression = zip;
-
-  bool rounds() const { return pixels == half || compression != zip; }
-  /// The largest number of a colour, if it rounds. DWA may add 3 % to it.
-  float largest() const { return compression == zip ? 65504.0f : 60000.0f; }
-};
 
 /// The file as bytes, in scan lines; with a channel A if the picture has alpha. The same input
 /// gives the same bytes. Layers must have the picture's size; an attribute must not have the name
 /// of one that OpenEXR defines with another type.
-///
-/// Half floats and DWA, whose numbers are half floats as well, are for colours: channels R, G, B
-/// and A, alone or of a layer; what is beyond the largest is stored as that. All else is float or
-/// UINT in ZIP, with DWA in a second part of the file, because DWA would blur channels Y, too.
-std::string exr_bytes(const ExrFile& file, const Storage& storage = {});
+std::string exr_bytes(const ExrFile& file);
 /// 8-bit sRGB PNG, clipped, as bytes; with alpha if the picture has it, colours divided by it. NaN
 /// becomes black. Rendered pictures are shown by preview_bytes() [tone.h].
 std::string png_bytes(const Picture& picture);

@@ -2,19 +2,14 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <deque>
 #include <stdexcept>
 
 #include <OpenEXR/ImfChannelList.h>
 #include <OpenEXR/ImfFrameBuffer.h>
 #include <OpenEXR/ImfHeader.h>
 #include <OpenEXR/ImfIO.h>
-#include <OpenEXR/ImfMultiPartOutputFile.h>
 #include <OpenEXR/ImfOutputFile.h>
-#include <OpenEXR/ImfOutputPart.h>
-#include <OpenEXR/ImfPartType.h>
 #include <OpenEXR/ImfStringAttribute.h>
-#include <half.h>
 
 #include "libcommon/formats/format_version.h"
 #include "libcommon/formats/picture.h"
@@ -50,30 +45,11 @@ void check_size(const Picture& p, int width, int height) {
     throw std::invalid_argument("picture and layers must have one size and no fewer pixels");
 }
 
-Imf::Compression compression_of(const Storage& storage) {
-  switch (storage.compression) {
-    case Storage::dwaa:
-      return Imf::DWAA_COMPRESSION;
-    case Storage::dwab:
-      return Imf::DWAB_COMPRESSION;
-    case Storage::zip:
-      break;
-  }
-  return Imf::ZIP_COMPRESSION;
-}
-
-// "R", "noisy.B", "A": by the last letter of the name.
-bool is_colour(const std::string& channel) {
-  const std::string last = channel.substr(channel.rfind('.') + 1);
-  return last == "R" || last == "G" || last == "B" || last == "A";
-}
-
-// Channels of one part of a file, and where their numbers are.
-class Part {
+// The channels of a file, and where their numbers are.
+class ExrChannels {
  public:
-  Part(int width, int height, Imf::Compression compression)
-      : header(width, height), width_(static_cast<size_t>(width)), height_(height) {
-    header.compression() = compression;
+  ExrChannels(int width, int height) : header(width, height), width_(static_cast<size_t>(width)) {
+    header.compression() = Imf::ZIP_COMPRESSION;
   }
 
   // Consecutive pixels are `step` bytes apart.
@@ -83,107 +59,51 @@ class Part {
     buffer_.insert(channel, Imf::Slice(type, const_cast<char*>(static_cast<const char*>(first)),
                                        step, step * width_));
   }
-  void add_as_half(const std::string& channel, const float* first, size_t step, float largest) {
-    std::vector<Imath::half>& halves = halves_.emplace_back();
-    halves.reserve(width_ * static_cast<size_t>(height_));
-    for (size_t i = 0; i < halves.capacity(); ++i) {
-      float value;
-      std::memcpy(&value, reinterpret_cast<const char*>(first) + i * step, sizeof value);
-      halves.emplace_back(std::clamp(value, -largest, largest));
-    }
-    add(channel, Imf::HALF, halves.data(), sizeof(Imath::half));
+  void add(const std::string& prefix, const Picture& p) {
+    add(prefix + "R", Imf::FLOAT, &p.pixels[0].x, sizeof(Rgb));
+    add(prefix + "G", Imf::FLOAT, &p.pixels[0].y, sizeof(Rgb));
+    add(prefix + "B", Imf::FLOAT, &p.pixels[0].z, sizeof(Rgb));
   }
-  bool empty() const { return header.channels().begin() == header.channels().end(); }
-
-  template <class Output>
-  void write(Output& output) const {
+  void write(Imf::OStream& stream, int height) const {
+    Imf::OutputFile output(stream, header, 0);
     output.setFrameBuffer(buffer_);
-    output.writePixels(height_);
-  }
+    output.writePixels(height);
+  }  // the destructor writes the table of offsets
 
   Imf::Header header;
 
  private:
   size_t width_;
-  int height_;
   Imf::FrameBuffer buffer_;
-  std::deque<std::vector<Imath::half>> halves_;
 };
-
-// The parts of a file: of colours, and of all else that DWA must not blur.
-struct Parts {
-  Part colours, data;
-  Storage storage;
-
-  Parts(int width, int height, const Storage& s)
-      : colours(width, height, compression_of(s)),
-        data(width, height, Imf::ZIP_COMPRESSION),
-        storage(s) {}
-
-  Part& of_data() { return storage.compression == Storage::zip ? colours : data; }
-  void add(const std::string& channel, const float* first, size_t step) {
-    if (!is_colour(channel))
-      of_data().add(channel, Imf::FLOAT, first, step);
-    else if (storage.rounds())
-      colours.add_as_half(channel, first, step, storage.largest());
-    else
-      colours.add(channel, Imf::FLOAT, first, step);
-  }
-  void add(const std::string& prefix, const Picture& p) {
-    add(prefix + "R", &p.pixels[0].x, sizeof(Rgb));
-    add(prefix + "G", &p.pixels[0].y, sizeof(Rgb));
-    add(prefix + "B", &p.pixels[0].z, sizeof(Rgb));
-  }
-  void add(const WordChannel& word) {
-    of_data().add(word.name, word.type == WordChannel::real ? Imf::FLOAT : Imf::UINT, word.first,
-                  word.step);
-  }
-};
-
-void write_one(Imf::OStream& stream, const Part& part) {
-  Imf::OutputFile output(stream, part.header, 0);
-  part.write(output);
-}  // the destructor writes the table of offsets
-
-void write_both(Imf::OStream& stream, Parts& parts) {
-  parts.colours.header.setName("colours");
-  parts.data.header.setName("data");
-  for (Part* part : {&parts.colours, &parts.data}) part->header.setType(Imf::SCANLINEIMAGE);
-  const Imf::Header headers[]{parts.colours.header, parts.data.header};
-  Imf::MultiPartOutputFile output(stream, headers, 2, false, 0);
-  Imf::OutputPart colours(output, 0), data(output, 1);
-  parts.colours.write(colours);
-  parts.data.write(data);
-}
 
 }  // namespace
 
-std::string exr_bytes(const ExrFile& file, const Storage& storage) {
+std::string exr_bytes(const ExrFile& file) {
   const int width = file.picture.width, height = file.picture.height;
   check_size(file.picture, width, height);
-  Parts parts(width, height, storage);
-  Imf::Header& header = parts.colours.header;
+  ExrChannels channels(width, height);
+  Imf::Header& header = channels.header;
   header.insert(kVersionAttribute, Imf::StringAttribute(std::to_string(format_version::picture)));
   for (const auto& [name, text] : file.attributes)
     header.insert(name.c_str(), Imf::StringAttribute(text));
-  parts.add("", file.picture);
+  channels.add("", file.picture);
   if (const std::vector<float>& alpha = file.picture.alpha; !alpha.empty())
-    parts.add("A", alpha.data(), sizeof(float));
+    channels.add("A", Imf::FLOAT, alpha.data(), sizeof(float));
   for (const auto& [name, picture] : file.layers) {
     check_size(picture, width, height);
-    parts.add(name + ".", picture);
+    channels.add(name + ".", picture);
   }
   for (const auto& [name, values] : file.channels) {
     if (values.size() != file.picture.pixels.size())
       throw std::invalid_argument("a channel must be as large as the picture");
-    parts.add(name, values.data(), sizeof(float));
+    channels.add(name, Imf::FLOAT, values.data(), sizeof(float));
   }
-  for (const WordChannel& word : file.words) parts.add(word);
+  for (const WordChannel& word : file.words)
+    channels.add(word.name, word.type == WordChannel::real ? Imf::FLOAT : Imf::UINT, word.first,
+                 word.step);
   MemoryOutput stream;
-  if (parts.data.empty())
-    write_one(stream, parts.colours);
-  else
-    write_both(stream, parts);
+  channels.write(stream, height);
   return std::move(stream.bytes);
 }
 
