@@ -1,7 +1,7 @@
 // Squares, cubes and surfaces of revolution as meshes, and what can be done to any mesh.
 #include <cmath>
+#include <map>
 #include <numbers>
-#include <unordered_map>
 
 #include "tools/tdpt-import/meshes/meshes.h"
 
@@ -54,15 +54,16 @@ void flip_v(Mesh& mesh) {
   for (auto& uv : mesh.uv) uv[1] = 1 - uv[1];
 }
 
+double area_of(const Mesh& mesh, const Affine& map) {
+  const auto corner = [&](uint32_t i) { return map.point(in_double(mesh.positions[i])); };
+  double sum = 0;
+  for (const auto& [a, b, c] : mesh.triangles)
+    sum += length(cross(corner(b) - corner(a), corner(c) - corner(a))) / 2;
+  return sum;
+}
+
 void smooth(Mesh& mesh, bool across_seams) {
-  struct Hash {
-    size_t operator()(const std::array<float, 3>& p) const {
-      size_t h = 0;
-      for (const float x : p) h = (h ^ std::hash<float>()(x)) * 0x9e3779b97f4a7c15u, h ^= h >> 29;
-      return h;
-    }
-  };
-  std::unordered_map<std::array<float, 3>, Vec3d, Hash> sums;  // vertices at one place share one
+  std::map<std::array<float, 3>, Vec3d> sums;  // vertices at one place share one
   std::vector<Vec3d> own(across_seams ? 0 : mesh.positions.size());
   std::vector<Vec3d*> sum_of;
   for (size_t i = 0; i < mesh.positions.size(); ++i) {

@@ -27,26 +27,13 @@ struct Geometry {
   bool is_mesh = true;  ///< areas are measured in the world, else in the object's space
 };
 
-// pbrt takes the triangle's normal where a vertex has one of length zero, and turns triangles to
-// the side of their normals.
-void mend_normals(Mesh& mesh) {
+// pbrt turns triangles to the side of their normals.
+void turn_to_normals(Mesh& mesh) {
   if (mesh.normals.empty()) return;
-  const auto across = [&](const std::array<uint32_t, 3>& t) {
-    const Vec3f& a = mesh.positions[t[0]];
-    return cross(mesh.positions[t[1]] - a, mesh.positions[t[2]] - a);
-  };
-  const auto is_broken = [](const Vec3f& n) { return !(dot(n, n) > 0) || !tdpt::is_finite(n); };
-  if (std::any_of(mesh.normals.begin(), mesh.normals.end(), is_broken)) {
-    std::vector<Vec3f> mean(mesh.normals.size());
-    for (const auto& t : mesh.triangles)
-      for (const uint32_t i : t) mean[i] = mean[i] + across(t);
-    for (size_t i = 0; i < mean.size(); ++i)
-      if (is_broken(mesh.normals[i]))
-        mesh.normals[i] = is_broken(mean[i]) ? Vec3f(0, 0, 1) : normalize(mean[i]);
+  for (auto& t : mesh.triangles) {
+    const Vec3f n = mesh.normals[t[0]] + mesh.normals[t[1]] + mesh.normals[t[2]];
+    if (dot(front_of(mesh, t), in_double(n)) < 0) std::swap(t[1], t[2]);
   }
-  for (auto& t : mesh.triangles)
-    if (dot(across(t), mesh.normals[t[0]] + mesh.normals[t[1]] + mesh.normals[t[2]]) < 0)
-      std::swap(t[1], t[2]);
 }
 
 // Common to meshes of triangles and of patches: vertices, and indices of faces of so many corners.
@@ -97,7 +84,7 @@ Faces faces_of(const Entity& e, size_t corners) {
 }
 
 Geometry added(const Entity& e, Mesh&& mesh, size_t faces) {
-  mend_normals(mesh);
+  turn_to_normals(mesh);
   std::vector<Mesh>& meshes = e.context.scene.meshes;
   meshes.push_back(std::move(mesh));
   return {meshes.size() - 1, {}, e.kind, faces, true};
@@ -166,7 +153,7 @@ Geometry mesh_of_file(const Entity& e) {
     const std::string shown_name = source.shown_name(file);
     Mesh mesh = read_ply(unpacked(*bytes, shown_name), shown_name);
     flip_v(mesh);
-    mend_normals(mesh);
+    turn_to_normals(mesh);
     return mesh;
   });
   g.faces = e.context.scene.meshes[g.mesh].triangles.size();
@@ -212,20 +199,6 @@ std::optional<Geometry> geometry_of(const Entity& e) {
   if (e.kind == "loopsubdiv") return subdivided(e);
   if (e.kind == "plymesh") return mesh_of_file(e);
   return quadric(e);
-}
-
-// Surface of the mesh after the map.
-double area_of(const Mesh& mesh, const Affine& map) {
-  const auto corner = [&](uint32_t i) {
-    const Vec3f& p = mesh.positions[i];
-    return map.point({p.x, p.y, p.z});
-  };
-  double sum = 0;
-  for (const auto& t : mesh.triangles) {
-    const Vec3d a = corner(t[0]);
-    sum += length(cross(corner(t[1]) - a, corner(t[2]) - a)) / 2;
-  }
-  return sum;
 }
 
 // pbrt-v4 gives every triangle of a mesh the whole power.

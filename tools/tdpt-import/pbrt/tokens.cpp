@@ -1,44 +1,19 @@
 // Words of pbrt's scene files, across the files that they include, and the parameter lists that
 // they make.
-#include <zlib.h>
-
 #include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <filesystem>
-#include <limits>
 
 #include "libcommon/base/error.h"
 #include "libcommon/base/words.h"
+#include "tools/tdpt-import/meshes/meshes.h"
 #include "tools/tdpt-import/pbrt/pbrt.h"
 
 namespace tdpt::foreign::pbrt {
 
 std::string unpacked(std::string bytes, const std::string& name) {
-  constexpr size_t kMost = size_t{1} << 30, kStep = size_t{1} << 16;
-  constexpr int kGzip = 16 + MAX_WBITS;
-  if (!bytes.starts_with("\x1f\x8b")) return bytes;
-  if (bytes.size() > std::numeric_limits<uInt>::max())
-    throw InputError(name, "", "more than 4 GiB of compressed bytes");
-  z_stream stream{};
-  if (inflateInit2(&stream, kGzip) != Z_OK) throw std::bad_alloc();
-  const std::unique_ptr<z_stream, int (*)(z_stream*)> end(&stream, inflateEnd);
-  stream.next_in = reinterpret_cast<Bytef*>(bytes.data());
-  stream.avail_in = static_cast<uInt>(bytes.size());
-  std::string out;
-  int status = Z_OK;
-  while (status == Z_OK) {
-    if (out.size() >= kMost) throw InputError(name, "", "more than 1 GiB when inflated");
-    const size_t before = out.size();
-    out.resize(before + kStep);
-    stream.next_out = reinterpret_cast<Bytef*>(out.data() + before);
-    stream.avail_out = static_cast<uInt>(kStep);
-    status = inflate(&stream, Z_NO_FLUSH);
-    out.resize(out.size() - stream.avail_out);
-  }
-  if (status == Z_MEM_ERROR) throw std::bad_alloc();
-  if (status != Z_STREAM_END) throw InputError(name, "", "the compressed bytes are broken");
-  return out;
+  return bytes.starts_with("\x1f\x8b") ? inflated(bytes, name, "") : std::move(bytes);
 }
 
 // ---- Words ----

@@ -103,18 +103,6 @@ std::optional<Placed> placed(const Node& node, const std::string& type, const Af
                 is_capped ? 0 : pi / 2 * across * across};
 }
 
-// Area of a placed mesh.
-double area_of(const Mesh& mesh, const Affine& to_world) {
-  double sum = 0;
-  const auto at = [&](uint32_t i) {
-    const Vec3f& p = mesh.positions[i];
-    return to_world.point({p.x, p.y, p.z});
-  };
-  for (const auto& [a, b, c] : mesh.triangles)
-    sum += length(cross(at(b) - at(a), at(c) - at(a))) / 2;
-  return sum;
-}
-
 // The light of a lamp, which has one colour.
 Rgb without_texture(const Node& node, const Colour& light) {
   if (light.texture) node.lose("the texture of a lamp's light is left out");
