@@ -73,25 +73,6 @@ Lamp distant(const Entity& e, const Affine& to_world) {
   return lamp;
 }
 
-Lamp goniometric(const Entity& e, const Affine& to_world) {
-  e.lose("a goniometric light becomes a point that shines evenly");
-  e.ignore({"filename", "mapname"});
-  return point(e, to_world);
-}
-
-Lamp projection(const Entity& e, const Affine& to_world) {
-  e.lose("a projector becomes a spot without its image");
-  e.ignore({"filename", "mapname"});
-  Lamp lamp;
-  lamp.kind = Lamp::Kind::spot;
-  lamp.at = to_world.t;
-  lamp.towards = to_world.z;
-  lamp.outer = lamp.inner =
-      std::clamp(e.number("fov", e.context.v4 ? 90 : 45), 0.0, 179.0) * kPi / 360;
-  lamp.intensity = scaled_light(e, "I");
-  return lamp;
-}
-
 struct LampKind {
   std::string_view kind;
   const char* name;  ///< in the glTF
@@ -100,8 +81,7 @@ struct LampKind {
 constexpr LampKind kLamps[] = {{"point", "point", point},
                                {"spot", "spot", spot},
                                {"distant", "distant", distant},
-                               {"goniometric", "point", goniometric},
-                               {"projection", "projection", projection}};
+                               {"goniometric", "point", point}};
 
 // The upper half of the equal-area square about +z: its inner diamond |2u-1| + |2v-1| < 1.
 // Cosine there: 1 - r^2 with r = |2u-1| + |2v-1| (Clarberg 2008).
@@ -126,7 +106,7 @@ bool is_alike(const Sky& a, const Sky& b) {
 // pbrt-v4's window for a light, in the world's own coordinates. Corners run counter-clockwise as
 // seen from the room [PortalImageInfiniteLight: Frame::FromXY(p03, p01), whose z leads out].
 bool add_portal(const Entity& e) {
-  const std::vector<double>* p = e.context.v4 ? e.tuples("portal", 3) : nullptr;
+  const std::vector<double>* p = e.context.v4 ? e.list("portal", {"point3"}, 3) : nullptr;
   if (!p || p->empty()) return false;
   if (p->size() != 12) e.fail("a portal of {} corners, expected 4", p->size() / 3);
   Mesh mesh;
@@ -159,7 +139,7 @@ void add_infinite(const Entity& e, const Affine& to_world) {
   if (context.v4) {
     // pbrt scales by the mean over the square, which counts the upper half alone: 2 pi, not 4 pi.
     // One colour behind a portal is a square of one texel, at the zenith.
-    const double per_unit = sky.image && e.find("illuminance")
+    const double per_unit = sky.image && e.has("illuminance")
                                 ? illuminance_of_square(context.texels(*sky.image)) / 2
                             : has_portal && !sky.image ? 2 * kPi * luminance(light_of(e, "L"))
                                                        : kPi;
@@ -199,17 +179,21 @@ void add_light(const Entity& e, const Affine& to_world) {
       Lamp lamp = known.read(e, to_world);
       lamp.name = known.name;
       e.context.scene.lamps.push_back(lamp);
+      if (e.kind == "goniometric") {
+        e.lose("a goniometric light becomes a point that shines evenly");
+        e.ignore({"filename", "mapname"});
+      }
       return;
     }
-  e.lose("the light \"{}\" is not known and left out", shown(e.kind));
-  e.ignore_all();
+  e.lose("lights of the kind \"{}\" are left out", shown(e.kind));
+  e.ignore();
 }
 
 AreaLight area_light(const Entity& e) {
   AreaLight light;
   if (e.kind != "diffuse" && e.kind != "area") {
-    e.lose("the area light \"{}\" is not known and left out", shown(e.kind));
-    e.ignore_all();
+    e.lose("area lights of the kind \"{}\" are left out", shown(e.kind));
+    e.ignore();
     return light;
   }
   Colour& radiance = light.emission.radiance;

@@ -36,41 +36,34 @@ void turn_to_normals(Mesh& mesh) {
   }
 }
 
-// Common to meshes of triangles and of patches: vertices, and indices of faces of so many corners.
+// What meshes of triangles and of patches share: vertices, and indices of faces of so many corners.
 struct Faces {
   Mesh mesh;
-  std::vector<size_t> corners;
+  std::vector<uint32_t> corners;
 };
 
 Faces faces_of(const Entity& e, size_t corners) {
-  const std::vector<double>*points = e.tuples("P", 3), *normals = e.tuples("N", 3),
-        *uv = e.tuples("uv", 2);
-  const std::vector<double>* indices = e.integers("indices");
-  if (!uv) uv = e.tuples("st", 2);
+  const std::initializer_list<const char*> kVectors{"point",   "point3", "vector",
+                                                    "vector3", "normal", "normal3"};
+  // pbrt-v3 also takes plain numbers for texture coordinates.
+  const std::initializer_list<const char*> kPairs{"point2", "vector2", "float"};
+  const std::vector<double>*points = e.list("P", kVectors, 3), *normals = e.list("N", kVectors, 3),
+        *uv = e.list("uv", kPairs, 2);
+  const std::vector<double>* indices = e.list("indices", {"integer"});
+  if (!uv) uv = e.list("st", kPairs, 2);
   e.ignore({"S", "faceIndices"});  // tangents; for Ptex
   if (!points || points->empty()) e.fail("a mesh without points \"P\"");
   const size_t count = points->size() / 3;
   if (!indices && count != corners) e.fail("a mesh without \"indices\"");
-  if (normals && normals->size() != points->size()) {
-    e.lose("normals of a mesh that has another number of points are left out");
-    normals = nullptr;
-  }
-  if (uv && uv->size() / 2 < count) {
-    e.lose("texture coordinates of a mesh that has more points are left out");
-    uv = nullptr;
-  }
+  if ((normals && normals->size() != points->size()) || (uv && uv->size() / 2 < count))
+    e.fail("normals or texture coordinates of another number of points");
   Faces f;
-  if (!indices) {
-    f.corners.resize(corners);
-    std::iota(f.corners.begin(), f.corners.end(), size_t{0});
-  } else {
-    for (const double i : *indices) {
-      if (!(i >= 0 && i < static_cast<double>(count)))
-        e.fail("index {} of a mesh of {} points", i, count);
-      f.corners.push_back(static_cast<size_t>(i));
-    }
+  for (size_t i = 0; i < (indices ? indices->size() / corners * corners : corners); ++i) {
+    const double corner = indices ? (*indices)[i] : static_cast<double>(i);
+    if (!(corner >= 0 && corner < static_cast<double>(count)))
+      e.fail("index {} of a mesh of {} points", corner, count);
+    f.corners.push_back(static_cast<uint32_t>(corner));
   }
-  f.corners.resize(f.corners.size() / corners * corners);
   for (size_t i = 0; i < count; ++i) {
     f.mesh.positions.push_back(vec_at(*points, i));
     if (!tdpt::is_finite(f.mesh.positions.back()))
@@ -91,36 +84,28 @@ Geometry added(const Entity& e, Mesh&& mesh, size_t faces) {
 }
 
 Geometry triangles(const Entity& e) {
-  Faces f = faces_of(e, 3);
-  Mesh& mesh = f.mesh;
-  const std::vector<size_t>& corners = f.corners;
-  for (size_t i = 0; i < corners.size(); i += 3)
-    mesh.triangles.push_back({static_cast<uint32_t>(corners[i]),
-                              static_cast<uint32_t>(corners[i + 1]),
-                              static_cast<uint32_t>(corners[i + 2])});
-  return added(e, std::move(mesh), mesh.triangles.size());
+  auto [mesh, c] = faces_of(e, 3);
+  for (size_t i = 0; i < c.size(); i += 3) mesh.triangles.push_back({c[i], c[i + 1], c[i + 2]});
+  return added(e, std::move(mesh), c.size() / 3);
 }
 
 Geometry patches(const Entity& e) {
-  Faces f = faces_of(e, 4);
-  Mesh& mesh = f.mesh;
-  std::vector<size_t>& corners = f.corners;
+  auto [mesh, c] = faces_of(e, 4);
   e.ignore({"emissionfilename"});  // how it is sampled
   if (mesh.uv.empty()) {           // each patch has (u, v) of its own
     const Mesh shared = std::exchange(mesh, {});
-    for (size_t i = 0; i < corners.size(); ++i) {
-      mesh.positions.push_back(shared.positions[corners[i]]);
-      if (!shared.normals.empty()) mesh.normals.push_back(shared.normals[corners[i]]);
+    for (uint32_t i = 0; i < c.size(); ++i) {
+      mesh.positions.push_back(shared.positions[c[i]]);
+      if (!shared.normals.empty()) mesh.normals.push_back(shared.normals[c[i]]);
       mesh.uv.push_back({i % 2 ? 1.0f : 0.0f, i % 4 < 2 ? 1.0f : 0.0f});
-      corners[i] = i;
+      c[i] = i;
     }
   }
-  for (size_t i = 0; i < corners.size(); i += 4) {
-    const auto p = [&](size_t k) { return static_cast<uint32_t>(corners[i + k]); };
-    mesh.triangles.push_back({p(0), p(1), p(3)});
-    mesh.triangles.push_back({p(0), p(3), p(2)});
+  for (size_t i = 0; i < c.size(); i += 4) {
+    mesh.triangles.push_back({c[i], c[i + 1], c[i + 3]});
+    mesh.triangles.push_back({c[i], c[i + 3], c[i + 2]});
   }
-  return added(e, std::move(mesh), corners.size() / 4);
+  return added(e, std::move(mesh), c.size() / 4);
 }
 
 Geometry subdivided(const Entity& e) {
@@ -162,34 +147,35 @@ Geometry mesh_of_file(const Entity& e) {
   return g;
 }
 
+// Spheres, disks and cylinders; none for other kinds.
 std::optional<Geometry> quadric(const Entity& e) {
+  const double r = e.number("radius", 1);
+  if (!(r > 0)) e.fail("\"radius\" is not above 0");
+  Mesh (*make)() = nullptr;
   Geometry g;
   g.name = e.kind;
   g.is_mesh = false;
-  const bool is_sphere = e.kind == "sphere", is_disk = e.kind == "disk";
-  if (!is_sphere && !is_disk && e.kind != "cylinder") {
+  g.to_object = {{r, 0, 0}, {0, r, 0}, {0, 0, r}, {}};
+  bool is_part = e.number("phimax", 360) < 360;
+  if (e.kind == "sphere") {
+    make = sphere;
+    is_part |= e.number("zmin", -r) > -r || e.number("zmax", r) < r;
+  } else if (e.kind == "disk") {
+    make = disc;
+    is_part |= e.number("innerradius", 0) > 0;
+    g.to_object.t.z = e.number("height", 0);
+  } else if (e.kind == "cylinder") {
+    make = cylinder;
+    const auto [low, high] = std::minmax({e.number("zmin", -1), e.number("zmax", 1)});
+    if (!(high > low)) e.fail("a cylinder without height");
+    g.to_object.z.z = high - low;
+    g.to_object.t.z = low;
+  } else {
     e.lose("shapes of the kind \"{}\" are not read and left out", shown(e.kind));
-    e.ignore_all();
     return {};
   }
-  const double r = e.number("radius", 1);
-  if (!(r > 0)) e.fail("\"radius\" is not above 0");
-  bool is_part = false;
-  g.mesh = shared(e.context, "[" + e.kind + "]", is_sphere ? sphere : is_disk ? disc : cylinder);
-  if (is_sphere) {
-    is_part = e.number("zmin", -r) > -r || e.number("zmax", r) < r;
-    g.to_object = scaled_by(Vec3d(r));
-  } else if (is_disk) {
-    is_part = e.number("innerradius", 0) > 0;
-    g.to_object = translated({0, 0, e.number("height", 0)}) * scaled_by(Vec3d(r));
-  } else {
-    const double a = e.number("zmin", -1), b = e.number("zmax", 1), low = std::min(a, b),
-                 high = std::max(a, b);
-    if (!(high > low)) e.fail("a cylinder without height");
-    g.to_object = translated({0, 0, low}) * scaled_by({r, r, high - low});
-  }
-  if (e.number("phimax", 360) < 360 || is_part)
-    e.lose("a \"{}\" of which parts are cut away becomes whole", e.kind);
+  if (is_part) e.lose("a \"{}\" of which parts are cut away becomes whole", e.kind);
+  g.mesh = shared(e.context, "[" + e.kind + "]", make);
   return g;
 }
 
@@ -262,14 +248,14 @@ size_t material_of(const Entity& e, const State& state) {
 std::optional<Shape> shape_of(const Entity& e, const State& state, bool in_object) {
   const std::optional<Geometry> geometry = geometry_of(e);
   if (!geometry || e.context.scene.meshes[geometry->mesh].triangles.empty()) {
-    e.ignore_all();
+    e.ignore();
     return {};
   }
   Shape shape;
   shape.name = geometry->name;
   shape.mesh = geometry->mesh;
   shape.to_world = state.to_world * geometry->to_object;
-  if (!is_bounded(shape.to_world)) e.fail("the transformation is too large");
+  require_finite(shape.to_world, e.place);
   const Surface& surface = e.context.surfaces[state.surface];
   surface.key.take();
   shape.material = material_of(e, state);
@@ -293,8 +279,8 @@ void add_medium(const Entity& e, const std::string& name) {
   const auto scale = static_cast<float>(e.number("scale", 1));
   const std::string kind = e.text("type"), preset = e.text("preset");
   std::optional<Rgb>& left = e.context.absorbing[name] = {};
-  if (kind != "homogeneous" || !preset.empty() || max_component(scattered) > 0 || e.find("Le"))
-    return e.ignore_all();  // lost where it is used
+  if (kind != "homogeneous" || !preset.empty() || max_component(scattered) > 0 || e.has("Le"))
+    return e.ignore();  // lost where it is used
   left = Rgb(std::exp(-absorbed.x * scale), std::exp(-absorbed.y * scale),
              std::exp(-absorbed.z * scale));
   e.ignore({"g"});  // nothing scatters

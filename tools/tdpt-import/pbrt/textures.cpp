@@ -4,7 +4,6 @@
 // What follows is written once for colours and for numbers: Value is Colour or Number.
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 
 #include "libcommon/base/words.h"
 #include "tools/tdpt-import/materials.h"
@@ -55,19 +54,13 @@ Value imagemap(const Entity& e) {
   const std::string file = e.text("filename");
   if (file.empty()) e.fail("the image texture names no file");
   const std::string suffix = suffix_of(file);
-  bool srgb = true;
-  float gamma = 0;
+  bool srgb = e.flag("gamma", suffix == ".png" || suffix == ".tga");
   if (v4) {
     // Only PNGs heed the encoding; other files of bytes are sRGB.
     const std::string encoding = e.text("encoding", "sRGB");
-    srgb = suffix != ".png" || encoding == "sRGB";
-    if (!srgb && encoding != "linear") {
-      if (encoding.starts_with("gamma "))
-        gamma = static_cast<float>(std::strtod(encoding.c_str() + 6, nullptr));
-      if (!(gamma > 0 && gamma < 100)) e.fail("\"{}\" is not an encoding", shown(encoding));
-    }
-  } else {
-    srgb = e.flag("gamma", suffix == ".png" || suffix == ".tga");
+    srgb = suffix != ".png" || encoding != "linear";
+    if (encoding != "sRGB" && encoding != "linear")
+      e.lose("the encoding \"{}\" of a picture becomes sRGB", shown(encoding));
   }
   Value value;
   value.texture = picture(e, file, srgb);
@@ -82,8 +75,6 @@ Value imagemap(const Entity& e) {
     texture.srgb = false;
     if (srgb) value = through(value, [](float v) { return linear_of(Rgb(v)).x; });
   }
-  if (gamma > 0)
-    value = through(value, [gamma](float v) { return std::pow(std::max(v, 0.0f), gamma); });
   value.factor = value.factor * static_cast<float>(e.number("scale", 1));
   if (v4 && e.flag("invert", false))
     value = through(value, [](float v) { return std::max(0.0f, 1 - v); });
@@ -97,7 +88,7 @@ Value checkerboard(const Entity& e, const Value& even, const Value& odd) {
   e.ignore({"aamode"});  // how it is filtered
   if (dimension != 2 || even.texture || odd.texture) {
     e.lose("checkerboards in space or of textures become one value");
-    e.ignore_all();
+    e.ignore();
     return {(even.factor + odd.factor) * 0.5f, {}, {}};
   }
   const Rgb a(even.factor), b(odd.factor);
@@ -147,9 +138,9 @@ Value value_of(const Entity& e, const std::string& name, double absent) {
     return e.varying(name, absent);
   } else {
     // pbrt-v4's textures of colours are scaled by numbers.
-    const Parameter* p = e.find(name);
-    if (p && p->type == "float") return {Rgb(static_cast<float>(e.number(name, 1))), {}, {}};
-    return e.colour(name, Rgb(static_cast<float>(absent)));
+    const double* v = e.numbers(name, {"float"}, 1);
+    return v ? Value{Rgb(static_cast<float>(*v)), {}, {}}
+             : e.colour(name, Rgb(static_cast<float>(absent)));
   }
 }
 
@@ -161,7 +152,7 @@ Value texture_of(const Entity& e) {
   };
   const auto one_value = [&](const Factor<Value>& factor) {
     e.lose("textures of the kind \"{}\" become one value", shown(e.kind));
-    e.ignore_all();
+    e.ignore();
     return Value{factor, {}, {}};
   };
   if (e.kind == "constant") return value("value", 1);
@@ -187,15 +178,9 @@ Value texture_of(const Entity& e) {
       if (const std::optional<Value> mixed = mix(a, b, amount)) return *mixed;
     return one_value((a.factor + b.factor) * 0.5f);
   }
-  if (e.kind == "bilerp") {
-    Factor<Value> sum{};
-    for (const char* corner : {"v00", "v01", "v10", "v11"})
-      sum = sum + value(corner, corner[2] == '0' ? 0 : 1).factor * 0.25f;
-    return one_value(sum);
-  }
   Factor<Value> factor(0.5f);
   for (const char* first : {"tex1", "inside"})
-    if (e.find(first)) factor = value(first, 0.5).factor;
+    if (e.has(first)) factor = value(first, 0.5).factor;
   return one_value(factor);
 }
 
@@ -259,9 +244,8 @@ std::optional<Number> Entity::varying(const std::string& name) const {
     lose("there is no texture of numbers \"{}\"", shown(named));
     return {};
   }
-  const Parameter* p = find(name);
-  if (!p || p->type != "float") return {};
-  return Number{static_cast<float>(number(name, 0)), {}, {}};
+  const double* v = numbers(name, {"float"}, 1);
+  return v ? std::optional<Number>({static_cast<float>(*v), {}, {}}) : std::nullopt;
 }
 
 Number Entity::varying(const std::string& name, double absent) const {
