@@ -75,9 +75,8 @@ std::optional<Texture> texture(Context& in, const Node& node, Rgb& constant) {
     constant = rgb(node.vector("value", Vec3d(1)));
     return {};
   }
-  node.lose(fmt::format("textures of type \"{}\" are not read: grey of 0.5 in their place",
-                        shown(type, 40)));
-  node.ignore_all();
+  node.lose("textures of type \"{}\" are not read: grey of 0.5 in their place", shown(type, 40));
+  node.ignore();
   constant = Rgb(0.5f);
   return {};
 }
@@ -99,17 +98,17 @@ Colour albedo(Context& in, const Node& bsdf) {
 Number roughness(Context& in, const Node& bsdf, double otherwise) {
   const std::string distribution = bsdf.text("distribution", "ggx");
   if (distribution != "ggx")
-    bsdf.lose(fmt::format("microfacets of type \"{}\" become GGX", shown(distribution, 40)));
+    bsdf.lose("microfacets of type \"{}\" become GGX", shown(distribution, 40));
   const auto r = bsdf.find("roughness");
   return r ? number(in, *r) : Number{static_cast<float>(otherwise), {}, {}};
 }
 
 Material conductor_of(Context& in, const Node& bsdf, const Number& alpha) {
-  if (const std::string lost = lost_of_rough_metal(alpha); !lost.empty()) bsdf.lose(lost);
+  if (const std::string lost = lost_of_rough_metal(alpha); !lost.empty()) bsdf.lose("{}", lost);
   const auto name = bsdf.find("material"), eta = bsdf.find("eta"), k = bsdf.find("k");
   const auto known = conductor_named(name ? name->text() : "Cu");
   if (!known)
-    bsdf.lose("the metal \"" + shown(name->text(), 40) + "\" is not known: aluminium in its place");
+    bsdf.lose("the metal \"{}\" is not known: aluminium in its place", shown(name->text(), 40));
   auto [n, kappa] = known ? *known : *conductor_named("Al");
   if (!name && eta) {  // a material prevails; without eta, Tungsten does not read k
     n = rgb(eta->vector());
@@ -125,14 +124,13 @@ Material read_nested(Context& in, const Node& bsdf, int depth) {
   const auto it = in.named_surfaces.find(name);
   if (it == in.named_surfaces.end() && (name == "null" || name == "NULL"))
     return diffuse({Rgb(0), {}, {}});
-  if (it == in.named_surfaces.end())
-    bsdf.fail("\"" + shown(name) + "\" is no surface of the scene");
+  if (it == in.named_surfaces.end()) bsdf.fail("\"{}\" is no surface of the scene", shown(name));
   return read(in, it->second, depth);
 }
 
 double ior(const Node& bsdf) {
   const double v = bsdf.number("ior", 1.5);
-  if (!(v > 0.1 && v < 100)) bsdf.fail(fmt::format("has an index of refraction of {}", v));
+  if (!(v > 0.1 && v < 100)) bsdf.fail("has an index of refraction of {}", v);
   if (v >= 1) return v;
   bsdf.lose("an index of refraction below 1 becomes its inverse");
   return 1 / v;
@@ -153,20 +151,10 @@ Material glass_of(Context& in, const Node& bsdf, const Number& alpha) {
   return glass(ior(bsdf), albedo(in, bsdf), alpha, true);
 }
 
-Material sheet_of(Context& in, const Node& bsdf) {
-  if (bsdf.flag("enable_interference", false))
-    bsdf.lose("the interference of thin sheets is left out");
-  if (max_component(bsdf.vector("sigma_a", Vec3d(0))) > 0)
-    bsdf.lose("the absorption of thin sheets is left out");
-  bsdf.ignore("thickness");  // of interference and absorption
-  return glass(ior(bsdf), albedo(in, bsdf), kSmooth, false);
-}
-
 Material transparent(Context& in, const Node& bsdf, int depth) {
   Material m = inner(in, bsdf, "base", depth);
-  bsdf.ignore("albedo");  // the base's counts
-  const auto alpha = bsdf.find("alpha");
-  if (alpha) m.opacity = number(in, *alpha);
+  bsdf.ignore({"albedo"});  // the base's counts
+  if (const auto alpha = bsdf.find("alpha")) m.opacity = number(in, *alpha);
   if (m.opacity.texture) m.opacity.texture->alpha = true;
   return m;
 }
@@ -177,21 +165,21 @@ Material coated(Context& in, const Node& bsdf, const Number& alpha, int depth) {
   if (alpha.texture) bsdf.lose("the texture of a coat's roughness is left out");
   m.coat_roughness = std::sqrt(alpha.texture ? 0.1f : std::clamp(alpha.factor, 0.0f, 1.0f));
   lose_absorption(bsdf);
-  bsdf.ignore("albedo ior");  // the substrate's counts; named
+  bsdf.ignore({"albedo", "ior"});  // the substrate's counts; named
   return m;
 }
 
 Material heavier(Context& in, const Node& bsdf, int depth) {
   const auto share = bsdf.find("ratio");
-  bsdf.ignore("bsdf0 bsdf1");
+  bsdf.ignore({"bsdf0", "bsdf1"});
   if (const Colour all = albedo(in, bsdf); all.texture || mean(all.factor) != 1)
     bsdf.lose("the albedo of mixed surfaces, which multiplies both, is left out");
   return inner(in, bsdf, !share || number(in, *share).factor >= 0.5f ? "bsdf0" : "bsdf1", depth);
 }
 
 Material of_type(Context& in, const std::string& type, const Node& bsdf, int depth) {
-  const auto near_to = [&](const char* what) {
-    bsdf.lose(fmt::format("surfaces of type \"{}\" become {}", shown(type, 40), what));
+  const auto lose_as = [&](const char* what) {
+    bsdf.lose("surfaces of type \"{}\" become {}", shown(type, 40), what);
   };
   if (type == "lambert") return diffuse(albedo(in, bsdf));
   if (type == "mirror") return mirror(albedo(in, bsdf));
@@ -201,31 +189,24 @@ Material of_type(Context& in, const std::string& type, const Node& bsdf, int dep
   if (type == "rough_plastic") return plastic_of(in, bsdf, roughness(in, bsdf, 0.02));
   if (type == "dielectric") return glass_of(in, bsdf, kSmooth);
   if (type == "rough_dielectric") return glass_of(in, bsdf, roughness(in, bsdf, 0.1));
-  if (type == "thinsheet") return sheet_of(in, bsdf);
+  if (type == "thinsheet") return glass(ior(bsdf), albedo(in, bsdf), kSmooth, false);
   if (type == "transparency") return transparent(in, bsdf, depth);
-  if (type == "oren_nayar") {
-    near_to("Lambertian");
-    bsdf.ignore("roughness");  // of Oren-Nayar
-    return diffuse(albedo(in, bsdf));
-  }
   if (type == "smooth_coat" || type == "rough_coat") {
-    near_to("a clear coat of index 1.5");
+    lose_as("a clear coat of index 1.5");
     return coated(in, bsdf, type == "smooth_coat" ? kSmooth : roughness(in, bsdf, 0.02), depth);
   }
   if (type == "mixed") {
-    near_to("the heavier of the two");
+    lose_as("the heavier of the two");
     return heavier(in, bsdf, depth);
   }
   if (type == "null" || type == "forward") {  // absorbs all light; lets all pass
-    bsdf.ignore("albedo");                    // of no surface
+    bsdf.ignore({"albedo"});                  // of no surface
     Material m = diffuse({Rgb(0), {}, {}});
     m.invisible = type == "forward";
     return m;
   }
-  bsdf.ignore_all();
-  bsdf.lose(
-      fmt::format("surfaces of type \"{}\" are not read: Lambertian of their albedo in their place",
-                  shown(type, 40)));
+  lose_as("Lambertian");
+  bsdf.ignore();
   return diffuse(albedo(in, bsdf));
 }
 
@@ -238,7 +219,7 @@ Material read(Context& in, const Node& bsdf, int depth) {
     m.bump = heights.texture;
     m.bump_scale = heights.factor;
   }
-  bsdf.ignore("name");
+  bsdf.ignore({"name"});
   return m;
 }
 
