@@ -5,7 +5,6 @@
 #include <filesystem>
 #include <iterator>
 #include <numbers>
-#include <set>
 
 #include "libcommon/base/words.h"
 #include "tools/tdpt-import/materials.h"
@@ -132,8 +131,6 @@ struct Builder {
 
   void attribute() {
     const std::string target = name();
-    const std::set<std::string> kTargets{"shape", "light", "material", "medium", "texture"};
-    if (!kTargets.contains(target)) tokens->fail("\"{}\" has no attributes", shown(target));
     std::vector<Parameter>& all = state.attributes[target];
     for (Parameter& p : list("").all) all.push_back(std::move(p));
     constexpr size_t kMost = 1000;  // they are copied to every directive
@@ -367,36 +364,16 @@ Described Builder::run() {
   return std::move(context.scene);
 }
 
-// What only one of the two versions knows: words, and kinds of films and materials. A parameter
-// tells it by its type, too.
-const std::set<std::string> kOnlyV3{"WorldEnd",    "image",   "matte",       "plastic", "uber",
-                                    "substrate",   "glass",   "mirror",      "metal",   "disney",
-                                    "translucent", "fourier", "kdsubsurface"};
-const std::set<std::string> kOnlyV4{"Attribute", "ColorSpace",     "Import",
-                                    "Option",    "true",           "false",
-                                    "rgb",       "gbuffer",        "spectral",
-                                    "diffuse",   "conductor",      "coateddiffuse",
-                                    "measured",  "dielectric",     "coatedconductor",
-                                    "interface", "thindielectric", "diffusetransmission"};
-const std::set<std::string> kTypesV3{"point", "vector", "color", "xyz"};
-
-bool is_v4(const Source& source) {
+// Scenes of pbrt-v3 end with "WorldEnd", and their film is an "image".
+bool is_v3(const Source& source) {
   Tokens tokens(source.text(), source.path());
-  size_t v3 = 0, v4 = 0;
-  std::string before;  // of a token that may name a kind
+  bool is_film = false;  // the last token
   while (tokens.peek().kind != Token::Kind::end) {
     const Token token = tokens.next();
-    if (token.kind == Token::Kind::open) continue;
-    if (token.kind == Token::Kind::word || before == "Film" || before == "Material" ||
-        before == "string type") {
-      v3 += kOnlyV3.contains(token.text);
-      v4 += kOnlyV4.contains(token.text);
-    } else if (const size_t space = token.text.find(' '); space != std::string::npos) {
-      v3 += kTypesV3.contains(token.text.substr(0, space));
-    }
-    before = token.text;
+    if (token.text == "WorldEnd" || (is_film && token.text == "image")) return true;
+    is_film = token.text == "Film";
   }
-  return v4 >= v3;
+  return false;
 }
 
 }  // namespace
@@ -405,7 +382,7 @@ bool is_v4(const Source& source) {
 namespace tdpt::foreign {
 
 Described read_pbrt(Source& source) {
-  return pbrt::Builder{.context = {source, pbrt::is_v4(source)}}.run();
+  return pbrt::Builder{.context = {source, !pbrt::is_v3(source)}}.run();
 }
 
 }  // namespace tdpt::foreign

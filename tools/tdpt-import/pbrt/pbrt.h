@@ -79,9 +79,9 @@ struct Surface {
 };
 
 struct NamedTexture {
-  std::optional<Colour> colour{};
-  std::optional<Number> number{};
-  Key key{};         ///< taken when something names the texture
+  Colour value{};
+  bool is_number = false;  ///< the value is grey
+  Key key{};               ///< taken when something names the texture
   size_t depth = 0;  ///< of textures that are made of others; 0: being made for the first time
 };
 
