@@ -143,21 +143,11 @@ struct Builder {
 
   void integrator() {
     const Entity e = entity();
-    for (const char* partial : {"ambientocclusion", "ao", "directlighting", "function", "whitted"})
-      if (e.kind == partial)
-        e.lose("the integrator \"{}\" shows other light than all that there is", e.kind);
     if (e.has("maxdepth"))  // counts bounces
       context.source.lose_longer_paths(e.place, e.integer("maxdepth", 5) + 1.0);
     if (e.flag("regularize", false)) e.lose("the smoothing of caustics (regularize) is left out");
     e.ignore();  // how it samples
   }
-  void option() {
-    const Entity e = list("");
-    if (e.flag("forcediffuse", false))
-      e.lose("materials that are all diffuse (forcediffuse) are not");
-    e.ignore();  // how it samples
-  }
-
   // ---- The world ----
 
   size_t add_surface(Surface&& surface, const std::string& name) {
@@ -289,7 +279,7 @@ constexpr Directive kDirectives[] = {
        b.object.reset();
      }},
     {"ObjectInstance", [](Builder& b) { b.object_instance(); }},
-    {"Option", [](Builder& b) { b.option(); }},
+    {"Option", [](Builder& b) { b.list("").ignore(); }},
     {"PixelFilter", [](Builder& b) { b.entity().ignore(); }},
     {"ReverseOrientation", [](Builder& b) { b.state.is_reversed = !b.state.is_reversed; }},
     {"Rotate", [](Builder& b) { b.transform(b.rotation()); }},

@@ -587,8 +587,6 @@ TEST_F(scene, names_limits_of_integrators) {
   EXPECT_NE(integrator("\"path\" \"integer maxdepth\" [1]").find("--max-depth 2 "),
             std::string::npos);  // of bounces
   EXPECT_NE(integrator("\"volpath\" \"bool regularize\" true"), "");
-  EXPECT_NE(integrator("\"ambientocclusion\" \"float maxdistance\" 3").find("shows other light"),
-            std::string::npos);
   EXPECT_EQ(integrator("\"volpath\" \"integer maxdepth\" [100] \"string lightsampler\" \"bvh\""),
             "");
 }

@@ -12,6 +12,7 @@
 #include <numeric>
 
 #include "libcommon/base/words.h"
+#include "tools/tdpt-import/materials.h"
 #include "tools/tdpt-import/meshes/meshes.h"
 #include "tools/tdpt-import/pbrt/pbrt.h"
 
@@ -23,8 +24,8 @@ struct Geometry {
   size_t mesh = 0;
   Affine to_object{};
   std::string name;
-  size_t faces = 1;     ///< pbrt's own shapes that it consists of
   bool is_mesh = true;  ///< areas are measured in the world, else in the object's space
+  size_t faces = 1;     ///< pbrt's own shapes that it consists of
 };
 
 // pbrt turns triangles to the side of their normals.
@@ -34,6 +35,14 @@ void turn_to_normals(Mesh& mesh) {
     const Vec3f n = mesh.normals[t[0]] + mesh.normals[t[1]] + mesh.normals[t[2]];
     if (dot(front_of(mesh, t), in_double(n)) < 0) std::swap(t[1], t[2]);
   }
+}
+
+// Index of a mesh that several shapes may show.
+template <class Make>
+size_t shared(Context& context, const std::string& key, const Make& make) {
+  const auto [it, is_new] = context.meshes.try_emplace(key, context.scene.meshes.size());
+  if (is_new) context.scene.meshes.push_back(make());
+  return it->second;
 }
 
 // What meshes of triangles and of patches share: vertices, and indices of faces of so many corners.
@@ -78,9 +87,8 @@ Faces faces_of(const Entity& e, size_t corners) {
 
 Geometry added(const Entity& e, Mesh&& mesh, size_t faces) {
   turn_to_normals(mesh);
-  std::vector<Mesh>& meshes = e.context.scene.meshes;
-  meshes.push_back(std::move(mesh));
-  return {meshes.size() - 1, {}, e.kind, faces, true};
+  e.context.scene.meshes.push_back(std::move(mesh));
+  return {e.context.scene.meshes.size() - 1, {}, e.kind, true, faces};
 }
 
 Geometry triangles(const Entity& e) {
@@ -91,8 +99,7 @@ Geometry triangles(const Entity& e) {
 
 Geometry patches(const Entity& e) {
   auto [mesh, c] = faces_of(e, 4);
-  e.ignore({"emissionfilename"});  // how it is sampled
-  if (mesh.uv.empty()) {           // each patch has (u, v) of its own
+  if (mesh.uv.empty()) {  // each patch has (u, v) of its own
     const Mesh shared = std::exchange(mesh, {});
     for (uint32_t i = 0; i < c.size(); ++i) {
       mesh.positions.push_back(shared.positions[c[i]]);
@@ -116,35 +123,25 @@ Geometry subdivided(const Entity& e) {
   return g;
 }
 
-// A mesh that several shapes may show.
-template <class Make>
-size_t shared(Context& context, const std::string& key, const Make& make) {
-  const auto it = context.meshes.find(key);
-  if (it != context.meshes.end()) return it->second;
-  context.scene.meshes.push_back(make());
-  return context.meshes[key] = context.scene.meshes.size() - 1;
-}
-
 Geometry mesh_of_file(const Entity& e) {
   const std::string file = e.text("filename");
   if (file.empty()) e.fail("the mesh names no file");
-  Source& source = e.context.source;
-  Geometry g;
-  const std::string name = file.substr(file.find_last_of("/\\") + 1);
-  g.name = name.substr(0, name.find('.'));
-  g.mesh = shared(e.context, file, [&] {
+  const size_t mesh = shared(e.context, file, [&] {
+    Source& source = e.context.source;
     const auto bytes = source.read_mesh(file, e.place);
     if (!bytes) return Mesh{};
     const std::string shown_name = source.shown_name(file);
-    Mesh mesh = read_ply(unpacked(*bytes, shown_name), shown_name);
-    flip_v(mesh);
-    turn_to_normals(mesh);
-    return mesh;
+    Mesh read = read_ply(unpacked(*bytes, shown_name), shown_name);
+    flip_v(read);
+    turn_to_normals(read);
+    return read;
   });
-  g.faces = e.context.scene.meshes[g.mesh].triangles.size();
-  if (!e.texture("displacement").empty()) e.lose("the displacement of meshes is left out");
-  e.ignore({"edgelength"});  // of the displacement
-  return g;
+  const std::string name = file.substr(file.find_last_of("/\\") + 1);
+  return {mesh,
+          {},
+          name.substr(0, name.find('.')),
+          true,
+          e.context.scene.meshes[mesh].triangles.size()};
 }
 
 // Spheres, disks and cylinders; none for other kinds.
@@ -152,10 +149,7 @@ std::optional<Geometry> quadric(const Entity& e) {
   const double r = e.number("radius", 1);
   if (!(r > 0)) e.fail("\"radius\" is not above 0");
   Mesh (*make)() = nullptr;
-  Geometry g;
-  g.name = e.kind;
-  g.is_mesh = false;
-  g.to_object = {{r, 0, 0}, {0, r, 0}, {0, 0, r}, {}};
+  Geometry g{0, {{r, 0, 0}, {0, r, 0}, {0, 0, r}, {}}, e.kind, false};
   bool is_part = e.number("phimax", 360) < 360;
   if (e.kind == "sphere") {
     make = sphere;
@@ -226,18 +220,14 @@ size_t material_of(const Entity& e, const State& state) {
   const auto [it, is_new] = context.materials.try_emplace(key, context.scene.materials.size());
   if (!is_new) return it->second;
   if (attenuation) m.attenuation = *attenuation;
-  if (alpha && alpha->texture) {
-    if (m.opacity.texture) e.lose("of two opacities the shape's is kept");
-    const float under = m.opacity.texture ? 1 : m.opacity.factor;
-    m.opacity = *alpha;
-    if (!context.v4)  // only zero is transparent
-      m.opacity.curve = [curve = alpha->curve](float texel) {
-        return (curve ? curve(texel) : texel) > 0 ? 1.0f : 0.0f;
-      };
-    m.opacity.factor = (context.v4 ? alpha->factor : alpha->factor > 0 ? 1 : 0) * under;
-  } else if (alpha) {
-    const bool is_whole = !context.v4 && alpha->factor != 0;
-    m.opacity.factor *= is_whole ? 1 : std::clamp(alpha->factor, 0.0f, 1.0f);
+  if (alpha) {
+    const Number open = context.v4 ? *alpha : through(*alpha, [](float v) {
+      return v > 0 ? 1.0f : 0.0f;  // only zero is transparent
+    });
+    if (open.texture && m.opacity.texture) e.lose("of two opacities the shape's is kept");
+    const float under = open.texture && m.opacity.texture ? 1 : m.opacity.factor;
+    if (open.texture) m.opacity = open;
+    m.opacity.factor = under * (open.texture ? open.factor : std::clamp(open.factor, 0.0f, 1.0f));
   }
   context.scene.materials.push_back(std::move(m));
   return it->second;
@@ -268,8 +258,6 @@ std::optional<Shape> shape_of(const Entity& e, const State& state, bool in_objec
     e.lose("the side from which a body of glass emits light is not kept");
     shape.emission->both_sides = true;
   }
-  if (e.number("shadowalpha", 1) == 0 || !e.texture("shadowalpha").empty())
-    e.lose("an alpha that counts for shadows alone is left out");
   return shape;
 }
 

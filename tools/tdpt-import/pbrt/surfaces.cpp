@@ -140,10 +140,10 @@ Surface uber(const Entity& e) {
   }
   const Colour opacity = colour(e, "opacity", 1);
   const Rgb o = opacity.factor;
-  Number& out = s.material.opacity;
   if (!opacity.texture && (o.x != o.y || o.y != o.z)) lose(e, "coloured opacity becomes its mean");
-  out = {opacity.texture ? o.x : share((o.x + o.y + o.z) / 3), opacity.texture, {}};
-  if (opacity.curve) out.curve = [curve = opacity.curve](float v) { return curve(Rgb(v)).x; };
+  s.material.opacity = {opacity.texture ? o.x : share((o.x + o.y + o.z) / 3), opacity.texture, {}};
+  if (opacity.curve)
+    s.material.opacity.curve = [curve = opacity.curve](float v) { return curve(Rgb(v)).x; };
   return s;
 }
 
