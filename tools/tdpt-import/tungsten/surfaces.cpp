@@ -8,7 +8,6 @@ namespace tdpt::foreign::tungsten {
 namespace {
 
 constexpr int kDeepest = 16;  // nested surfaces
-const Number kSmooth{0.0f, {}, {}};
 
 Rgb rgb(const Vec3d& v) {
   return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
@@ -20,7 +19,8 @@ float mean(const Rgb& c) {
 
 void lose_absorption(const Node& bsdf) {
   const Vec3d absorbed = bsdf.vector("sigma_a", Vec3d(0)) * bsdf.number("thickness", 1);
-  if (max_component(absorbed) > 0) bsdf.lose("the absorption (sigma_a) in coats is left out");
+  if (max_component(absorbed) > 0)
+    bsdf.lose("absorption (sigma_a) in coats and sheets is left out");
 }
 
 // Index of the image in the file that a text names, once for each name.
@@ -47,45 +47,9 @@ Texture checker(Context& in, const Node& node) {
   return t;
 }
 
-std::optional<Texture> texture(Context& in, const Node& node, Rgb& constant) {
-  if (node.is_number() || node.is_array()) {
-    constant = rgb(node.vector());
-    return {};
-  }
-  constant = Rgb(1);
-  if (node.is_string()) {
-    Texture t;
-    t.image = image(in, node);
-    return t;
-  }
-  if (!node.is_object()) node.fail("is no texture: neither number, colour, file nor object");
-  const std::string type = node.text("type", "");
-  if (type == "bitmap") {
-    Texture t;
-    t.image = image(in, node.needed("file"));
-    t.srgb = node.flag("gamma_correct", true);
-    t.nearest = !node.flag("interpolate", true);
-    if (node.flag("clamp", false)) t.wrap_u = t.wrap_v = Texture::Wrap::clamp;
-    const double scale = node.number("scale", 1);
-    if (!t.nearest) constant = Rgb(static_cast<float>(scale));  // as in Tungsten
-    return t;
-  }
-  if (type == "checker") return checker(in, node);
-  if (type == "constant") {
-    constant = rgb(node.vector("value", Vec3d(1)));
-    return {};
-  }
-  node.lose("textures of type \"{}\" are not read: grey of 0.5 in their place", shown(type, 40));
-  node.ignore();
-  constant = Rgb(0.5f);
-  return {};
-}
-
 Number number(Context& in, const Node& node) {
-  Rgb constant;
-  Number n;
-  n.texture = texture(in, node, constant);
-  n.factor = mean(constant);
+  const Colour c = colour(in, node);
+  Number n{mean(c.factor), c.texture, {}};
   if (n.texture) n.texture->srgb = false;  // whatever gamma_correct says
   return n;
 }
@@ -136,73 +100,58 @@ double ior(const Node& bsdf) {
   return 1 / v;
 }
 
-Material inner(Context& in, const Node& bsdf, const char* key, int depth) {
-  return read_nested(in, bsdf.needed(key), depth + 1);
-}
-
-Material plastic_of(Context& in, const Node& bsdf, const Number& alpha) {
-  lose_absorption(bsdf);
-  return plastic(albedo(in, bsdf), ior(bsdf), alpha, true);
-}
-
-Material glass_of(Context& in, const Node& bsdf, const Number& alpha) {
-  if (!bsdf.flag("enable_refraction", true))
-    bsdf.lose("glass that only reflects (enable_refraction) refracts");
-  return glass(ior(bsdf), albedo(in, bsdf), alpha, true);
-}
-
-Material transparent(Context& in, const Node& bsdf, int depth) {
-  Material m = inner(in, bsdf, "base", depth);
-  bsdf.ignore({"albedo"});  // the base's counts
-  if (const auto alpha = bsdf.find("alpha")) m.opacity = number(in, *alpha);
-  if (m.opacity.texture) m.opacity.texture->alpha = true;
-  return m;
-}
-
-Material coated(Context& in, const Node& bsdf, const Number& alpha, int depth) {
-  Material m = inner(in, bsdf, "substrate", depth);
-  m.coat = 1;
-  if (alpha.texture) bsdf.lose("the texture of a coat's roughness is left out");
-  m.coat_roughness = std::sqrt(alpha.texture ? 0.1f : std::clamp(alpha.factor, 0.0f, 1.0f));
-  lose_absorption(bsdf);
-  bsdf.ignore({"albedo", "ior"});  // the substrate's counts; named
-  return m;
-}
-
-Material heavier(Context& in, const Node& bsdf, int depth) {
-  const auto share = bsdf.find("ratio");
-  bsdf.ignore({"bsdf0", "bsdf1"});
-  if (const Colour all = albedo(in, bsdf); all.texture || mean(all.factor) != 1)
-    bsdf.lose("the albedo of mixed surfaces, which multiplies both, is left out");
-  return inner(in, bsdf, !share || number(in, *share).factor >= 0.5f ? "bsdf0" : "bsdf1", depth);
-}
-
 Material of_type(Context& in, const std::string& type, const Node& bsdf, int depth) {
   const auto lose_as = [&](const char* what) {
     bsdf.lose("surfaces of type \"{}\" become {}", shown(type, 40), what);
   };
-  if (type == "lambert") return diffuse(albedo(in, bsdf));
-  if (type == "mirror") return mirror(albedo(in, bsdf));
-  if (type == "conductor") return conductor_of(in, bsdf, kSmooth);
-  if (type == "rough_conductor") return conductor_of(in, bsdf, roughness(in, bsdf, 0.1));
-  if (type == "plastic") return plastic_of(in, bsdf, kSmooth);
-  if (type == "rough_plastic") return plastic_of(in, bsdf, roughness(in, bsdf, 0.02));
-  if (type == "dielectric") return glass_of(in, bsdf, kSmooth);
-  if (type == "rough_dielectric") return glass_of(in, bsdf, roughness(in, bsdf, 0.1));
-  if (type == "thinsheet") return glass(ior(bsdf), albedo(in, bsdf), kSmooth, false);
-  if (type == "transparency") return transparent(in, bsdf, depth);
-  if (type == "smooth_coat" || type == "rough_coat") {
+  const auto inner = [&](const char* key) { return read_nested(in, bsdf.needed(key), depth + 1); };
+  const bool is_rough = type.starts_with("rough_");
+  const std::string kind = is_rough ? type.substr(6) : type;
+  const Number alpha = is_rough
+                           ? roughness(in, bsdf, kind == "plastic" || kind == "coat" ? 0.02 : 0.1)
+                           : Number{0.0f, {}, {}};
+  if (kind == "lambert") return diffuse(albedo(in, bsdf));
+  if (kind == "mirror") return mirror(albedo(in, bsdf));
+  if (kind == "conductor") return conductor_of(in, bsdf, alpha);
+  if (kind == "plastic" || kind == "thinsheet") {
+    lose_absorption(bsdf);
+    return kind == "plastic" ? plastic(albedo(in, bsdf), ior(bsdf), alpha, true)
+                             : glass(ior(bsdf), albedo(in, bsdf), alpha, false);
+  }
+  if (kind == "dielectric") {
+    if (!bsdf.flag("enable_refraction", true))
+      bsdf.lose("glass that only reflects (enable_refraction) refracts");
+    return glass(ior(bsdf), albedo(in, bsdf), alpha, true);
+  }
+  if (kind == "transparency") {
+    Material m = inner("base");
+    bsdf.ignore({"albedo"});  // the base's counts
+    if (const auto opacity = bsdf.find("alpha")) m.opacity = number(in, *opacity);
+    if (m.opacity.texture) m.opacity.texture->alpha = true;
+    return m;
+  }
+  if (kind == "smooth_coat" || kind == "coat") {
     lose_as("a clear coat of index 1.5");
-    return coated(in, bsdf, type == "smooth_coat" ? kSmooth : roughness(in, bsdf, 0.02), depth);
+    lose_absorption(bsdf);
+    if (alpha.texture) bsdf.lose("the texture of a coat's roughness is left out");
+    bsdf.ignore({"albedo", "ior"});  // the substrate's counts; named
+    Material m = inner("substrate");
+    m.coat = 1;
+    m.coat_roughness = std::sqrt(alpha.texture ? 0.1f : std::clamp(alpha.factor, 0.0f, 1.0f));
+    return m;
   }
-  if (type == "mixed") {
+  if (kind == "mixed") {
     lose_as("the heavier of the two");
-    return heavier(in, bsdf, depth);
+    bsdf.ignore({"bsdf0", "bsdf1"});
+    if (const Colour all = albedo(in, bsdf); all.texture || mean(all.factor) != 1)
+      bsdf.lose("the albedo of mixed surfaces, which multiplies both, is left out");
+    const auto share = bsdf.find("ratio");
+    return inner(!share || number(in, *share).factor >= 0.5f ? "bsdf0" : "bsdf1");
   }
-  if (type == "null" || type == "forward") {  // absorbs all light; lets all pass
+  if (kind == "null" || kind == "forward") {  // absorbs all light; lets all pass
     bsdf.ignore({"albedo"});                  // of no surface
     Material m = diffuse({Rgb(0), {}, {}});
-    m.invisible = type == "forward";
+    m.invisible = kind == "forward";
     return m;
   }
   lose_as("Lambertian");
@@ -237,8 +186,26 @@ void name_surfaces(Context& in, const Node& bsdfs) {
 }
 
 Colour colour(Context& in, const Node& node) {
-  Colour c;
-  c.texture = texture(in, node, c.factor);
+  if (node.is_number() || node.is_array()) return {rgb(node.vector()), {}, {}};
+  if (!node.is_string() && !node.is_object())
+    node.fail("is no texture: neither number, colour, file nor object");
+  const std::string type = node.is_string() ? "" : node.text("type", "");
+  if (type == "checker") return {Rgb(1), checker(in, node), {}};
+  if (type == "constant") return {rgb(node.vector("value", Vec3d(1))), {}, {}};
+  if (!node.is_string() && type != "bitmap") {
+    node.lose("textures of type \"{}\" are not read: grey of 0.5 in their place", shown(type, 40));
+    node.ignore();
+    return {Rgb(0.5f), {}, {}};
+  }
+  Colour c{Rgb(1), Texture{}, {}};
+  Texture& t = *c.texture;
+  t.image = image(in, node.is_string() ? node : node.needed("file"));
+  if (node.is_string()) return c;
+  t.srgb = node.flag("gamma_correct", true);
+  t.nearest = !node.flag("interpolate", true);
+  if (node.flag("clamp", false)) t.wrap_u = t.wrap_v = Texture::Wrap::clamp;
+  const double scale = node.number("scale", 1);
+  if (!t.nearest) c.factor = Rgb(static_cast<float>(scale));  // as in Tungsten
   return c;
 }
 
