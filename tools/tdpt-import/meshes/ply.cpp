@@ -28,9 +28,9 @@ constexpr Type kTypes[] = {
     {"int", "int32", 4, decoded<int32_t>},   {"uint", "uint32", 4, decoded<uint32_t>},
     {"float", "float32", 4, decoded<float>}, {"double", "float64", 8, decoded<double>}};
 
-// What a property is: a coordinate of a vertex's position, normal or uv, or a face's corners.
-enum Use { px, py, pz, nx, ny, nz, tu, tv, corners, nothing };
-constexpr std::pair<std::string_view, Use> kVertexUses[] = {
+// What a property holds: a coordinate of a vertex's position, normal or uv, or a face's corners.
+enum Target { px, py, pz, nx, ny, nz, tu, tv, corners, nothing };
+constexpr std::pair<std::string_view, Target> kVertexTargets[] = {
     {"x", px},         {"y", py},         {"z", pz},         {"nx", nx},       {"ny", ny},
     {"nz", nz},        {"u", tu},         {"v", tv},         {"s", tu},        {"t", tv},
     {"texture_u", tu}, {"texture_v", tv}, {"texture_s", tu}, {"texture_t", tv}};
@@ -38,17 +38,17 @@ constexpr std::pair<std::string_view, Use> kVertexUses[] = {
 struct Property {
   const Type* type;
   const Type* length;  ///< of a list; null: one value
-  Use use;
+  Target target;
 };
 struct Element {
   std::string name;
   uint64_t count;
   std::vector<Property> properties{};
 
-  bool has(std::initializer_list<Use> uses) const {
-    return std::all_of(uses.begin(), uses.end(), [&](Use use) {
+  bool has(std::initializer_list<Target> targets) const {
+    return std::all_of(targets.begin(), targets.end(), [&](Target target) {
       return std::any_of(properties.begin(), properties.end(),
-                         [&](const Property& p) { return p.use == use; });
+                         [&](const Property& p) { return p.target == target; });
     });
   }
 };
@@ -119,20 +119,20 @@ class PlyReader {
       return nullptr;
     };
     const Property p{type_named(words[words.size() - 2]), is_list ? type_named(words[2]) : nullptr,
-                     use_of(words.back(), is_list)};
+                     target_of(words.back(), is_list)};
     elements_.back().properties.push_back(p);
     return p.type && (!is_list || p.length);
   }
 
-  // Of a property of the last element.
-  Use use_of(std::string_view name, bool is_list) const {
+  // What a property of the last element holds.
+  Target target_of(std::string_view name, bool is_list) const {
     const std::string& element = elements_.back().name;
     if (is_list)
       return element == "face" && (name == "vertex_indices" || name == "vertex_index") ? corners
                                                                                        : nothing;
     if (element == "vertex")
-      for (const auto& [word, use] : kVertexUses)
-        if (word == name) return use;
+      for (const auto& [word, target] : kVertexTargets)
+        if (word == name) return target;
     return nothing;
   }
 
@@ -165,9 +165,9 @@ class PlyReader {
       const uint32_t count = p.length ? whole(*p.length, "length of a list") : 1;
       uint32_t first = 0, last = 0;
       for (uint32_t i = 0; i < count; ++i) {
-        if (p.use != corners) {
+        if (p.target != corners) {
           const double x = value(*p.type);
-          if (p.use != nothing) v[p.use] = static_cast<float>(x);
+          if (p.target != nothing) v[p.target] = static_cast<float>(x);
           continue;
         }
         const uint32_t corner = whole(*p.type, "number of a vertex");

@@ -1,4 +1,4 @@
-// By pbrt-v3's lights/*.cpp and pbrt-v4's lights.cpp. In pbrt-v4, an `rgb` stands for that colour
+// Lights, by pbrt-v3's lights/*.cpp and pbrt-v4's lights.cpp. In pbrt-v4, an `rgb` stands for that colour
 // in daylight, and "scale" is divided by the daylight's luminance: rgb 1 1 1 is radiance 1 1 1.
 #include <algorithm>
 #include <cmath>
@@ -17,7 +17,7 @@ Rgb times(const Rgb& c, double k) {
 }
 
 Rgb light_of(const Entity& e, const char* name) {
-  return e.spectrum(name, Use::light).value_or(Rgb(1));
+  return e.spectrum(name, Role::light).value_or(Rgb(1));
 }
 
 // "scale" is a spectrum in pbrt-v3.

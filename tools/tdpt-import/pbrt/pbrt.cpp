@@ -14,9 +14,9 @@ namespace {
 
 // Carries out directives.
 struct Builder {
-  enum class Saved { attributes, transform, object, import };
-  struct Save {
-    Saved kind;
+  enum class Scope { attributes, transform, object, import };
+  struct SavedState {
+    Scope kind;
     State state;
     Place place;
   };
@@ -24,9 +24,9 @@ struct Builder {
   Context context;
   Tokens* tokens = nullptr;          // of the file that is read
   size_t open_files = 0, files = 0;  // now; so far
-  std::string directive{}, whose{};  // that is carried out; with the last name after it
+  std::string directive{}, owner{};  // that is carried out; with the last name after it
   State state{};
-  std::vector<Save> saved{};
+  std::vector<SavedState> saved{};
   std::map<std::string, Affine> systems{};  // CoordinateSystem
   std::map<std::string, std::vector<Shape>> objects{};
   std::optional<std::string> object{};  // being defined
@@ -45,7 +45,7 @@ struct Builder {
   std::string name() {
     const Token token = tokens->next();
     if (token.kind != Token::Kind::quoted) tokens->fail("a name in quotes should follow");
-    whose = fmt::format("{} \"{}\"", directive, shown(token.text));
+    owner = fmt::format("{} \"{}\"", directive, shown(token.text));
     return token.text;
   }
   std::vector<double> numbers(size_t count) {
@@ -87,18 +87,18 @@ struct Builder {
     return inverse({x, cross(z, x), z, from}, tokens->place());
   }
   // A list of parameters; those that "Attribute" set for the `target` come after its own.
-  Entity list(const std::string& kind, const char* target = "", Key key = {}) {
+  Entity parameters(const std::string& kind, const char* target = "", Key key = {}) {
     Entity e{context, kind, tokens->place(), key};
-    e.read(*tokens, whose);
+    e.read(*tokens, owner);
     const std::vector<Parameter>& defaults = state.attributes[target];
     e.all.insert(e.all.end(), defaults.rbegin(), defaults.rend());
     return e;
   }
-  Entity entity(const char* target = "") { return list(name(), target); }
+  Entity entity(const char* target = "") { return parameters(name(), target); }
   // One that others may name: nobody misses what it holds before.
-  Entity waiting(const char* target) {
+  Entity definition(const char* target) {
     const std::string kind = name();
-    return list(kind, target, context.source.enter({}, tokens->place(), ""));
+    return parameters(kind, target, context.source.enter({}, tokens->place(), ""));
   }
 
   // ---- The state ----
@@ -111,16 +111,16 @@ struct Builder {
   }
   void transform(const Affine& by) { set_transform(state.to_world * by); }
 
-  void save(Saved kind) {
+  void save(Scope kind) {
     constexpr size_t kDeepest = 10000;
     if (saved.size() >= kDeepest) tokens->fail("more than {} states are saved", kDeepest);
     saved.push_back({kind, state, tokens->place()});
   }
-  void restore(Saved kind) {
+  void restore(Scope kind) {
     if (saved.empty() || saved.back().kind != kind)
       tokens->fail("\"{}\" without its beginning", directive);
     State& before = saved.back().state;
-    if (kind == Saved::transform) {
+    if (kind == Scope::transform) {
       state.to_world = before.to_world;
       state.is_active = before.is_active;
     } else {
@@ -132,7 +132,7 @@ struct Builder {
   void attribute() {
     const std::string target = name();
     std::vector<Parameter>& all = state.attributes[target];
-    for (Parameter& p : list("").all) all.push_back(std::move(p));
+    for (Parameter& p : parameters("").all) all.push_back(std::move(p));
     constexpr size_t kMost = 1000;  // they are copied to every directive
     size_t values = all.size();
     for (const Parameter& p : all) values += p.numbers.size() + p.strings.size();
@@ -156,7 +156,7 @@ struct Builder {
     return context.surfaces.size() - 1;
   }
   void make_named_material() {
-    Entity e = waiting("material");
+    Entity e = definition("material");
     const std::string name = std::exchange(e.kind, e.text("type"));
     context.named_surfaces[name] = add_surface(surface_of(e), name);
   }
@@ -166,7 +166,7 @@ struct Builder {
     if (it == context.named_surfaces.end()) lose("no material is named \"{}\"", shown(wanted));
     state.surface = it == context.named_surfaces.end() ? 0 : it->second;
   }
-  void keep(Shape&& shape) {
+  void add_shape(Shape&& shape) {
     constexpr size_t kMostShapes = 1000000;
     if (++shapes > kMostShapes) tokens->fail("more than {} shapes", kMostShapes);
     (object ? objects[*object] : context.scene.shapes).push_back(std::move(shape));
@@ -174,7 +174,7 @@ struct Builder {
   void object_begin() {
     const std::string begun = name();
     if (object) tokens->fail("an object within an object");
-    save(Saved::object);
+    save(Scope::object);
     object = begun;
     objects[begun].clear();
   }
@@ -185,7 +185,7 @@ struct Builder {
     if (it == objects.end()) return lose("no object is named \"{}\"", shown(wanted));
     for (Shape shape : it->second) {
       shape.to_world = state.to_world * shape.to_world;
-      keep(std::move(shape));
+      add_shape(std::move(shape));
     }
   }
 
@@ -200,11 +200,11 @@ struct Builder {
   void import() {
     const std::string file = name();
     const size_t before = saved.size();
-    save(Saved::import);
+    save(Scope::import);
     include(file);
     if (saved.size() != before + 1)
       Source::fail(saved.back().place, "what begins here does not end in the imported file");
-    restore(Saved::import);
+    restore(Scope::import);
   }
 
   void read(std::string_view text, const std::string& file);
@@ -226,8 +226,8 @@ constexpr Directive kDirectives[] = {
      }},
     {"AreaLightSource", [](Builder& b) { b.state.area = area_light(b.entity("light")); }},
     {"Attribute", [](Builder& b) { b.attribute(); }},
-    {"AttributeBegin", [](Builder& b) { b.save(Builder::Saved::attributes); }},
-    {"AttributeEnd", [](Builder& b) { b.restore(Builder::Saved::attributes); }},
+    {"AttributeBegin", [](Builder& b) { b.save(Builder::Scope::attributes); }},
+    {"AttributeEnd", [](Builder& b) { b.restore(Builder::Scope::attributes); }},
     {"Camera",
      [](Builder& b) {
        b.camera.emplace(b.entity());
@@ -263,7 +263,7 @@ constexpr Directive kDirectives[] = {
      }},
     {"Material",
      [](Builder& b) {
-       const Entity e = b.waiting("material");
+       const Entity e = b.definition("material");
        b.state.surface = b.add_surface(surface_of(e), e.kind);
      }},
     {"MediumInterface",
@@ -275,11 +275,11 @@ constexpr Directive kDirectives[] = {
     {"ObjectBegin", [](Builder& b) { b.object_begin(); }},
     {"ObjectEnd",
      [](Builder& b) {
-       b.restore(Builder::Saved::object);
+       b.restore(Builder::Scope::object);
        b.object.reset();
      }},
     {"ObjectInstance", [](Builder& b) { b.object_instance(); }},
-    {"Option", [](Builder& b) { b.list("").ignore(); }},
+    {"Option", [](Builder& b) { b.parameters("").ignore(); }},
     {"PixelFilter", [](Builder& b) { b.entity().ignore(); }},
     {"ReverseOrientation", [](Builder& b) { b.state.is_reversed = !b.state.is_reversed; }},
     {"Rotate", [](Builder& b) { b.transform(b.rotation()); }},
@@ -292,17 +292,17 @@ constexpr Directive kDirectives[] = {
     {"Shape",
      [](Builder& b) {
        if (std::optional<Shape> shape = shape_of(b.entity("shape"), b.state, b.object.has_value()))
-         b.keep(std::move(*shape));
+         b.add_shape(std::move(*shape));
      }},
     {"SurfaceIntegrator", [](Builder& b) { b.integrator(); }},
     {"Texture",
      [](Builder& b) {
        const std::string name = b.name(), type = b.name();
-       add_texture(b.waiting("texture"), name, type);
+       add_texture(b.definition("texture"), name, type);
      }},
     {"Transform", [](Builder& b) { b.set_transform(b.matrix()); }},
-    {"TransformBegin", [](Builder& b) { b.save(Builder::Saved::transform); }},
-    {"TransformEnd", [](Builder& b) { b.restore(Builder::Saved::transform); }},
+    {"TransformBegin", [](Builder& b) { b.save(Builder::Scope::transform); }},
+    {"TransformEnd", [](Builder& b) { b.restore(Builder::Scope::transform); }},
     {"TransformTimes", [](Builder& b) { b.numbers(2); }},
     {"Translate",
      [](Builder& b) {
@@ -328,7 +328,7 @@ void Builder::read(std::string_view text, const std::string& file) {
   Tokens* const before = std::exchange(tokens, &of_file);
   ++open_files;
   while (!is_done && tokens->peek().kind != Token::Kind::end) {
-    directive = whose = tokens->next().text;
+    directive = owner = tokens->next().text;
     const auto* known = std::find_if(std::begin(kDirectives), std::end(kDirectives),
                                      [&](const Directive& d) { return d.name == directive; });
     if (known == std::end(kDirectives)) tokens->fail("\"{}\" is not a directive", shown(directive));

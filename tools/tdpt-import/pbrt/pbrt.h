@@ -2,17 +2,14 @@
 // transformations and spectra (values.cpp), textures, materials (surfaces.cpp), shapes, lights and
 // cameras. The directives (pbrt.cpp) put them together.
 #pragma once
-#include <fmt/format.h>
-
-#include <array>
 #include <map>
-#include <memory>
 #include <optional>
-#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
+
+#include <fmt/format.h>
 
 #include "libcommon/math/vec.h"
 #include "tools/tdpt-import/described.h"
@@ -23,7 +20,7 @@ namespace tdpt::foreign::pbrt {
 // ---- Words of scene files ----
 
 /// `bytes` as they are, or inflated if they are compressed by gzip. Throws InputError with `name`
-/// for broken streams and for more than 1 GiB.
+/// for broken streams.
 std::string unpacked(std::string bytes, const std::string& name);
 
 struct Token {
@@ -82,7 +79,7 @@ struct NamedTexture {
   Colour value{};
   bool is_number = false;  ///< the value is grey
   Key key{};               ///< taken when something names the texture
-  size_t depth = 0;  ///< of textures that are made of others; 0: being made for the first time
+  size_t depth = 0;        ///< textures that are made of others are deeper; 0: not read yet
 };
 
 struct Context {
@@ -111,8 +108,8 @@ struct Context {
   std::map<size_t, bool> has_alpha_{};
 };
 
-/// What a spectrum is for. Of a light, pbrt-v4 scales every spectrum but `rgb` to luminance 1.
-enum class Use { reflectance, index, light };
+/// What a spectrum is of. pbrt-v4 scales every spectrum of a light but `rgb` to luminance 1.
+enum class Role { reflectance, index, light };
 
 /// What a directive makes: its kind, such as "matte", and its parameters. A parameter is found by
 /// name and type, as in pbrt: one of another type counts as absent, and stays unread.
@@ -126,8 +123,8 @@ struct Entity {
   Key key{};  ///< of the directive; while nobody takes it, nobody misses the parameters
   std::vector<Parameter> all{};
 
-  /// Reads the parameters that stand next in `tokens`; `whose`: "Material "matte"".
-  void read(Tokens& tokens, const std::string& whose);
+  /// Reads the parameters that stand next in `tokens`; `owner`: "Material "matte"".
+  void read(Tokens& tokens, const std::string& owner);
 
   /// The first of that name and one of these types.
   const Parameter* find(const std::string& name, std::initializer_list<const char*> types) const;
@@ -148,12 +145,12 @@ struct Entity {
   /// Any number of tuples of `size` numbers each.
   const std::vector<double>* list(const std::string& name, std::initializer_list<const char*> types,
                                   size_t size = 1) const;
-  /// Of any of pbrt's types for colours, as linear Rec.709.
-  std::optional<Rgb> spectrum(const std::string& name, Use use) const;
+  /// A value of any of pbrt's types for colours, as linear Rec.709.
+  std::optional<Rgb> spectrum(const std::string& name, Role role) const;
   /// Index of refraction: a number or a spectrum, whose green value is taken.
   double index(const std::string& name, double absent) const;
   /// A texture or one value.
-  Colour colour(const std::string& name, const Rgb& absent, Use use = Use::reflectance) const;
+  Colour colour(const std::string& name, const Rgb& absent, Role role = Role::reflectance) const;
   std::optional<Number> varying(const std::string& name) const;
   Number varying(const std::string& name, double absent) const;
 
@@ -175,7 +172,7 @@ struct Entity {
 
 /// Throws InputError at `place` for a map that flattens space.
 Affine inverse(const Affine& a, const Place& place);
-/// The same for one that is not finite.
+/// Throws InputError at `place` for a map that is not finite.
 void require_finite(const Affine& a, const Place& place);
 Vec3f vec_at(const std::vector<double>& numbers, size_t i);
 

@@ -262,8 +262,8 @@ std::optional<Shape> shape_of(const Entity& e, const State& state, bool in_objec
 }
 
 void add_medium(const Entity& e, const std::string& name) {
-  const Rgb scattered = e.spectrum("sigma_s", Use::index).value_or(Rgb(2.55f, 3.21f, 3.77f));
-  const Rgb absorbed = e.spectrum("sigma_a", Use::index).value_or(Rgb(.0011f, .0024f, .014f));
+  const Rgb scattered = e.spectrum("sigma_s", Role::index).value_or(Rgb(2.55f, 3.21f, 3.77f));
+  const Rgb absorbed = e.spectrum("sigma_a", Role::index).value_or(Rgb(.0011f, .0024f, .014f));
   const auto scale = static_cast<float>(e.number("scale", 1));
   const std::string kind = e.text("type"), preset = e.text("preset");
   std::optional<Rgb>& left = e.context.absorbing[name] = {};

@@ -107,7 +107,7 @@ Surface body(double ior, const Colour& tint, const Number& a) {
 Surface metal_of(const Entity& e, const Number& a, const std::string& prefix = "") {
   const std::array<Rgb, 2> copper = *conductor_named("Cu");
   const auto value = [&](const char* name, const Rgb& absent) {
-    const Colour c = e.colour(prefix + name, absent, Use::index);
+    const Colour c = e.colour(prefix + name, absent, Role::index);
     if (c.texture) lose(e, "the texture of a metal's index becomes copper's");
     return c.texture ? absent : c.factor;
   };

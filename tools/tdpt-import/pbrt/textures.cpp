@@ -185,9 +185,9 @@ Texture picture(const Entity& e, const std::string& file, bool srgb) {
   return texture;
 }
 
-Colour Entity::colour(const std::string& name, const Rgb& absent, Use use) const {
+Colour Entity::colour(const std::string& name, const Rgb& absent, Role role) const {
   const std::string named = texture(name);
-  if (named.empty()) return {spectrum(name, use).value_or(absent), {}, {}};
+  if (named.empty()) return {spectrum(name, role).value_or(absent), {}, {}};
   const NamedTexture* t = texture_named(*this, named);
   // pbrt-v4's "scale" multiplies colours by numbers.
   if (t && !t->is_number) return t->value;

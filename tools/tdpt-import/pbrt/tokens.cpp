@@ -84,7 +84,7 @@ void add_value(Parameter& p, Tokens& tokens) {
 
 }  // namespace
 
-void Entity::read(Tokens& tokens, const std::string& whose) {
+void Entity::read(Tokens& tokens, const std::string& owner) {
   using enum Token::Kind;
   while (tokens.peek().kind == quoted) {
     const std::string declaration = tokens.next().text;
@@ -101,7 +101,7 @@ void Entity::read(Tokens& tokens, const std::string& whose) {
     }
     p.key = context.source.enter(
         key, p.place,
-        fmt::format("\"{} {}\" of {} is not read", shown(p.type), shown(p.name), whose));
+        fmt::format("\"{} {}\" of {} is not read", shown(p.type), shown(p.name), owner));
     all.push_back(std::move(p));
   }
 }

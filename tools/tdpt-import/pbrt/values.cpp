@@ -74,8 +74,8 @@ Rgb unadapted(const Samples& samples) {
   return rgb_of_spectrum(samples) * rgb_of_xyz(Rgb(1));
 }
 
-Rgb of_samples(const Context& context, const Samples& samples, Use use) {
-  if (use == Use::light) {
+Rgb of_samples(const Context& context, const Samples& samples, Role role) {
+  if (role == Role::light) {
     const Rgb c = unadapted(samples);
     return context.v4 ? with_luminance_1(c) : c;
   }
@@ -132,9 +132,9 @@ std::optional<Rgb> of_metal(const std::string& name) {
 }
 
 // A spectrum of pbrt's own, or of a file.
-Rgb of_name(const Entity& e, const Parameter& p, const std::string& name, Use use) {
+Rgb of_name(const Entity& e, const Parameter& p, const std::string& name, Role role) {
   Source& source = e.context.source;
-  if (use == Use::index) {
+  if (role == Role::index) {
     if (const auto metal = of_metal(name); metal && !source.has(name, p.place)) return *metal;
     if (const auto ior = ior_named(name)) return Rgb(static_cast<float>(*ior));
   }
@@ -148,7 +148,7 @@ Rgb of_name(const Entity& e, const Parameter& p, const std::string& name, Use us
   Tokens tokens(bytes, source.shown_name(name));
   std::vector<double> numbers;
   while (tokens.peek().kind != Token::Kind::end) numbers.push_back(tokens.number_of(tokens.next()));
-  return of_samples(e.context, sorted_samples(numbers, p.place), use);
+  return of_samples(e.context, sorted_samples(numbers, p.place), role);
 }
 
 Rgb of_three(const Parameter& p) {
@@ -159,15 +159,15 @@ Rgb of_three(const Parameter& p) {
 
 }  // namespace
 
-std::optional<Rgb> Entity::spectrum(const std::string& name, Use use) const {
+std::optional<Rgb> Entity::spectrum(const std::string& name, Role role) const {
   const Parameter* p = find(name, {"rgb", "color", "xyz", "blackbody", "spectrum"});
   if (!p) return {};
   const Rgb colour = p->type == "xyz"         ? rgb_of_xyz(of_three(*p))
                      : p->type == "blackbody" ? of_blackbody(context, *p)
                      : p->type != "spectrum"  ? of_three(*p)
                      : p->strings.size() == 1
-                         ? of_name(*this, *p, p->strings[0], use)
-                         : of_samples(context, sorted_samples(p->numbers, p->place), use);
+                         ? of_name(*this, *p, p->strings[0], role)
+                         : of_samples(context, sorted_samples(p->numbers, p->place), role);
   if (!is_finite(colour))
     Source::fail(p->place, fmt::format("the values of \"{}\" are too large", shown(name)));
   return max(colour, Rgb(0));
@@ -175,7 +175,7 @@ std::optional<Rgb> Entity::spectrum(const std::string& name, Use use) const {
 
 double Entity::index(const std::string& name, double absent) const {
   if (const double* v = numbers(name, {"float"}, 1)) return *v;
-  const auto value = spectrum(name, Use::index);
+  const auto value = spectrum(name, Role::index);
   return value ? value->y : absent;
 }
 

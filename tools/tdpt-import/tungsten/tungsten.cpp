@@ -37,7 +37,8 @@ Mesh box() {
   return mesh;
 }
 
-// A cylinder of diameter 1 from z = 0 to 1. Its caps are turned by half as the shape is [place()].
+// A cylinder of diameter 1 from z = 0 to 1. Its caps are turned by half as the shape is
+// [place_solid()].
 Mesh tube(bool is_capped) {
   Mesh mesh = cylinder();
   for (const float z : {1.0f, 0.0f}) {
@@ -66,8 +67,8 @@ Affine rotation_in(const Affine& map, const Node& node) {
 
 // Gives a shape the mesh of its type at its place; false for unknown types. The round meshes have
 // phi = 0 where u = 0, so they are turned by half.
-bool place(Context& in, const Node& node, const std::string& type, const Affine& map,
-           Shape& shape) {
+bool place_solid(Context& in, const Node& node, const std::string& type, const Affine& map,
+                 Shape& shape) {
   const auto put = [&](const std::string& key, const auto& mesh, const Affine& to_world) {
     shape.mesh = shared(in, key, mesh);
     shape.to_world = to_world;
@@ -186,46 +187,39 @@ void read_cone(Context& in, const Node& node, const Colour& radiance, const Affi
   in.scene.lamps.push_back(spot);
 }
 
-void read_sky(Context& in, const Node& node, const Affine& map) {
-  const auto radiance = emitted(in, node, 1 / (4 * pi));
-  node.ignore({"sample", "bsdf"});  // how it is sampled; of no surface
-  if (!radiance) return;
-  if (in.scene.sky) return node.lose("of several skies the first is taken");
-  Sky sky;
-  sky.colour = radiance->factor;
-  if (radiance->texture) {
-    sky.image = radiance->texture->image;
-    sky.srgb = radiance->texture->srgb;
-  }
-  sky.to_map = kToMap * rotation_in(map, node).transposed();
-  in.scene.sky = sky;
-}
-
-void read_sun(Context& in, const Node& node, const Affine& map) {
-  const double angle = node.number("cap_angle", 10) * pi / 180;
-  if (!(angle > 0 && angle <= pi / 2)) node.fail("has a cap_angle that is not within 0 to 90");
+// A sky, a sun or a point.
+void read_light(Context& in, const Node& node, const std::string& type, const Affine& map) {
+  const bool is_sun = type == "infinite_sphere_cap";
+  const double angle = is_sun ? node.number("cap_angle", 10) * pi / 180 : pi;
+  if (!(angle > 0 && (angle <= pi / 2 || !is_sun)))
+    node.fail("has a cap_angle that is not within 0 to 90");
   const auto radiance = emitted(in, node, 1 / (2 * pi * (1 - std::cos(angle))));
   node.ignore({"sample", "bsdf"});  // how it is sampled; of no surface
   if (!radiance) return;
-  node.lose("the sun of {:.4g} degrees becomes a point: give --sun-angle {:.4g} to tdpt",
-            angle * 360 / pi, angle * 360 / pi);
-  const double s = std::sin(angle);
-  Lamp sun;
-  sun.kind = Lamp::Kind::sun;
-  sun.name = node.text("name", "sun");
-  sun.towards = -map.y;
-  sun.intensity = without_texture(node, *radiance) * static_cast<float>(pi * s * s);
-  in.scene.lamps.push_back(sun);
-}
-
-void read_point(Context& in, const Node& node, const Affine& map) {
-  const auto intensity = emitted(in, node, 1 / (4 * pi));
-  node.ignore({"bsdf"});  // of no surface
-  if (!intensity) return;
+  if (type == "infinite_sphere") {
+    if (in.scene.sky) return node.lose("of several skies the first is taken");
+    Sky& sky = in.scene.sky.emplace();
+    sky.colour = radiance->factor;
+    if (radiance->texture) {
+      sky.image = radiance->texture->image;
+      sky.srgb = radiance->texture->srgb;
+    }
+    sky.to_map = kToMap * rotation_in(map, node).transposed();
+    return;
+  }
   Lamp lamp;
-  lamp.name = node.text("name", "point");
-  lamp.at = map.t;
-  lamp.intensity = intensity->factor;
+  lamp.name = node.text("name", is_sun ? "sun" : "point");
+  lamp.intensity = without_texture(node, *radiance);
+  if (is_sun) {
+    node.lose("the sun of {0:.4g} degrees becomes a point: give --sun-angle {0:.4g} to tdpt",
+              angle * 360 / pi);
+    const double s = std::sin(angle);
+    lamp.kind = Lamp::Kind::sun;
+    lamp.towards = -map.y;
+    lamp.intensity = lamp.intensity * static_cast<float>(pi * s * s);
+  } else {
+    lamp.at = map.t;
+  }
   in.scene.lamps.push_back(lamp);
 }
 
@@ -237,16 +231,15 @@ void read_primitive(Context& in, const Node& node) {
   for (const char* side : {"int_medium", "ext_medium"})
     if (node.find(side)) node.lose(kMedia);
 
-  if (type == "infinite_sphere") return read_sky(in, node, map);
-  if (type == "infinite_sphere_cap") return read_sun(in, node, map);
-  if (type == "point") return read_point(in, node, map);
+  if (type == "infinite_sphere" || type == "infinite_sphere_cap" || type == "point")
+    return read_light(in, node, type, map);
 
   Shape shape;
   shape.name = node.text("name", "");
   if (type == "mesh") {
     shape.mesh = mesh_of(in, node);
     shape.to_world = map;
-  } else if (!place(in, node, type, map, shape)) {
+  } else if (!place_solid(in, node, type, map, shape)) {
     node.lose("primitives of type \"{}\" are not read and left out", shown(type, 40));
     return node.ignore();
   }
