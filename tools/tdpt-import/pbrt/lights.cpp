@@ -1,5 +1,6 @@
-// Lights, by pbrt-v3's lights/*.cpp and pbrt-v4's lights.cpp. In pbrt-v4, an `rgb` stands for that colour
-// in daylight, and "scale" is divided by the daylight's luminance: rgb 1 1 1 is radiance 1 1 1.
+// Lights, by pbrt-v3's lights/*.cpp and pbrt-v4's lights.cpp. In pbrt-v4, an `rgb` stands for that
+// colour in daylight, and "scale" is divided by the daylight's luminance: rgb 1 1 1 is radiance 1
+// 1 1.
 #include <algorithm>
 #include <cmath>
 #include <numbers>

@@ -96,16 +96,11 @@ struct Context {
   std::map<std::string, std::optional<Rgb>> absorbing{};  ///< media: left of white after length 1
   std::map<std::string, size_t> materials{};  ///< of the scene, by surface, medium and alpha
   std::map<std::string, size_t> meshes{};     ///< of the scene, by file or kind of shape
+  std::map<std::string, size_t> images{};     ///< of the scene, by file
 
   /// The picture of this file, read once.
   size_t image(const std::string& name, const Place& place);
   Texels texels(size_t image) const;
-  /// Whether it is anywhere transparent.
-  bool has_alpha(size_t image);
-
- private:
-  std::map<std::string, size_t> images_{};
-  std::map<size_t, bool> has_alpha_{};
 };
 
 /// What a spectrum is of. pbrt-v4 scales every spectrum of a light but `rgb` to luminance 1.

@@ -65,9 +65,11 @@ Colour imagemap(const Entity& e, bool is_number) {
   texture.map = map_of(e);
   texture.wrap_u = texture.wrap_v = wrap_of(e);
   texture.nearest = e.text("filter", "bilinear") == "point";
-  if (is_number && v4)
-    texture.alpha = e.context.has_alpha(texture.image);  // pbrt prefers it for numbers
-  if (is_number && !v4) {                                // luminance first, then decoded
+  if (is_number && v4) {  // pbrt prefers alpha for numbers, if the picture has it
+    const std::vector<float> alpha = e.context.texels(texture.image).alpha;
+    texture.alpha = std::any_of(alpha.begin(), alpha.end(), [](float a) { return a < 1; });
+  }
+  if (is_number && !v4) {  // luminance first, then decoded
     texture.luminance = true;
     texture.srgb = false;
     if (srgb) c = through(c, [](const Rgb& v) { return linear_of(v); });

@@ -15,22 +15,13 @@
 namespace tdpt::foreign::pbrt {
 
 size_t Context::image(const std::string& name, const Place& place) {
-  const auto [it, is_new] = images_.try_emplace(name, scene.images.size());
+  const auto [it, is_new] = images.try_emplace(name, scene.images.size());
   if (is_new) scene.images.push_back({name, source.read_picture(name, place)});
   return it->second;
 }
 
 Texels Context::texels(size_t image) const {
   return decode(scene.images[image].bytes, source.shown_name(scene.images[image].name));
-}
-
-bool Context::has_alpha(size_t image) {
-  const auto [it, is_new] = has_alpha_.try_emplace(image, false);
-  if (is_new) {
-    const std::vector<float> alpha = texels(image).alpha;
-    it->second = std::any_of(alpha.begin(), alpha.end(), [](float a) { return a < 1; });
-  }
-  return it->second;
 }
 
 // ---- Transformations ----
