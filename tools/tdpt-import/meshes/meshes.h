@@ -27,6 +27,8 @@ inline Mesh flipped(Mesh mesh) {
   flip_v(mesh);
   return mesh;
 }
+/// Its surface after the map.
+double area_of(const Mesh& mesh, const Affine& map);
 /// Smooth normals: at each position, or at each vertex unless `across_seams`, the mean of its
 /// triangles' normals, weighted by their angles.
 void smooth(Mesh& mesh, bool across_seams = true);
@@ -46,6 +48,10 @@ Mesh disc();
 Mesh cylinder();
 
 // What all mesh readers need: values of either endianness, and the checks that every mesh passes.
+
+/// The bytes of a zlib or gzip stream at the beginning of `packed`. Throws InputError if it is
+/// broken, or inflates to more than memory_limit().
+std::string inflated(std::string_view packed, const std::string& name, const std::string& place);
 
 /// The T that begins at `bytes`.
 template <class T>
@@ -79,8 +85,8 @@ inline Vec3d front_of(const Mesh& mesh, const std::array<uint32_t, 3>& corners) 
 }
 
 /// Throws InputError unless there are triangles, all of them with existing corners, and all
-/// positions are finite. Scales normals to length 1; vertices without a usable one take the mean of
-/// their triangles. Coordinates of textures that are not finite become 0.
+/// positions are finite. Scales normals to length 1; those that have no direction become 0, and if
+/// none has one, there are none. Coordinates of textures that are not finite become 0.
 void check(Mesh& mesh, const std::string& name);
 
 }  // namespace tdpt::foreign

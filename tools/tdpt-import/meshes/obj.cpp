@@ -1,7 +1,8 @@
 // Wavefront OBJ. Polygons become fans, as in Mitsuba and Tungsten.
 #include <algorithm>
 #include <charconv>
-#include <unordered_map>
+#include <cmath>
+#include <map>
 
 #include <fmt/format.h>
 
@@ -14,14 +15,6 @@ namespace {
 
 // Indices of a position, a texture coordinate and a normal; -1: none.
 using Corner = std::array<int, 3>;
-struct CornerHash {
-  size_t operator()(const Corner& c) const {
-    uint64_t h = 0;
-    for (const int i : c) h = (h ^ static_cast<uint32_t>(i)) * 0x9e3779b97f4a7c15u, h ^= h >> 29;
-    return h;
-  }
-};
-
 class ObjReader {
  public:
   ObjReader(std::string_view bytes, const std::string& name) : rest_(bytes), name_(name) {
@@ -33,15 +26,13 @@ class ObjReader {
       const auto words = words_of(line_);
       if (words.empty()) continue;
       if (words[0] == "v") {
-        const auto v = numbers(words, 3, true);
-        positions_.push_back({v[0], v[1], v[2]});
-        if (!is_finite(positions_.back())) fail("the position is too large");
+        positions_.push_back(vector(words, 3));
+        if (!is_finite(positions_.back())) fail("its position is not finite");
       } else if (words[0] == "vn") {
-        const auto v = numbers(words, 3, false);
-        normals_.push_back({v[0], v[1], v[2]});
+        normals_.push_back(vector(words, 3));
       } else if (words[0] == "vt") {
-        const auto v = numbers(words, 1, false);
-        uv_.push_back({v[0], v[1]});
+        const Vec3f v = vector(words, 1);
+        uv_.push_back({v.x, v.y});
       } else if (words[0] == "f") {
         face(words);
       }
@@ -60,32 +51,25 @@ class ObjReader {
     line_.clear();
     number_ = next_number_;
     for (bool continues = true; continues && !rest_.empty(); ++next_number_) {
-      std::string_view part = rest_.substr(0, rest_.find_first_of("\r\n"));
-      rest_.remove_prefix(part.size());
+      const std::string_view all = rest_.substr(0, rest_.find_first_of("\r\n"));
+      rest_.remove_prefix(all.size());
       rest_.remove_prefix(std::min<size_t>(rest_.size(), rest_.starts_with("\r\n") ? 2 : 1));
-      const size_t comment = part.find('#');
-      part = part.substr(0, comment);
+      const std::string_view part = all.substr(0, all.find('#'));
       const size_t last = part.find_last_not_of(" \t");
-      continues = comment == part.npos && last != part.npos && part[last] == '\\';
-      line_ += part.substr(0, continues ? last : part.npos);
-      line_ += ' ';
+      continues = part.size() == all.size() && last != part.npos && part[last] == '\\';
+      (line_ += part.substr(0, continues ? last : part.npos)) += ' ';
     }
     return true;
   }
 
-  // The first three numbers after the line's keyword, 0 for those beyond `least` that it lacks and,
-  // unless they are `needed`, for words that are none.
-  std::array<float, 3> numbers(const std::vector<std::string_view>& words, size_t least,
-                               bool needed) const {
-    std::array<float, 3> out{};
+  // The first three numbers after the line's keyword; 0 for those beyond `least` that it lacks, and
+  // not a number for words that are none.
+  Vec3f vector(const std::vector<std::string_view>& words, size_t least) const {
     if (words.size() <= least) fail(fmt::format("has {} of {} numbers", words.size() - 1, least));
-    for (size_t i = 0; i < std::min<size_t>(3, words.size() - 1); ++i) {
-      const auto number = number_in(words[i + 1]);
-      if (needed && (!number || words[i + 1].find_first_of("0123456789") == words[i + 1].npos))
-        fail(fmt::format("\"{}\" is not a finite number", shown(words[i + 1], 40)));
-      out[i] = static_cast<float>(number.value_or(0));
-    }
-    return out;
+    float v[3] = {};
+    for (size_t i = 0; i < std::min<size_t>(3, words.size() - 1); ++i)
+      v[i] = static_cast<float>(number_in(words[i + 1]).value_or(NAN));
+    return {v[0], v[1], v[2]};
   }
 
   // Zero-based, of a number from 1 upwards or, backwards from the last one so far, from -1
@@ -142,7 +126,7 @@ class ObjReader {
   Mesh assembled() {
     if (has_normals_) flatten();
     Mesh mesh;
-    std::unordered_map<Corner, uint32_t, CornerHash> vertices;
+    std::map<Corner, uint32_t> vertices;
     for (size_t i = 0; i < corners_.size(); ++i) {
       const Corner& c = corners_[i];
       const auto [found, is_new] =

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <optional>
 
 #include <fmt/format.h>
 
@@ -29,28 +28,29 @@ constexpr Type kTypes[] = {
     {"int", "int32", 4, decoded<int32_t>},   {"uint", "uint32", 4, decoded<uint32_t>},
     {"float", "float32", 4, decoded<float>}, {"double", "float64", 8, decoded<double>}};
 
-// What a property of a vertex is: position, normal, uv.
-enum Slot { px, py, pz, nx, ny, nz, tu, tv, slots };
-
-std::optional<Slot> slot_of(std::string_view name) {
-  static constexpr std::pair<std::string_view, Slot> all[] = {
-      {"x", px},         {"y", py},         {"z", pz},         {"nx", nx},       {"ny", ny},
-      {"nz", nz},        {"u", tu},         {"v", tv},         {"s", tu},        {"t", tv},
-      {"texture_u", tu}, {"texture_v", tv}, {"texture_s", tu}, {"texture_t", tv}};
-  for (const auto& [word, slot] : all)
-    if (word == name) return slot;
-  return {};
-}
+// What a property holds: a coordinate of a vertex's position, normal or uv, or a face's corners.
+enum Target { px, py, pz, nx, ny, nz, tu, tv, corners, nothing };
+constexpr std::pair<std::string_view, Target> kVertexTargets[] = {
+    {"x", px},         {"y", py},         {"z", pz},         {"nx", nx},       {"ny", ny},
+    {"nz", nz},        {"u", tu},         {"v", tv},         {"s", tu},        {"t", tv},
+    {"texture_u", tu}, {"texture_v", tv}, {"texture_s", tu}, {"texture_t", tv}};
 
 struct Property {
-  std::string name;
   const Type* type;
-  const Type* length = nullptr;  ///< set: a list
+  const Type* length;  ///< of a list; null: one value
+  Target target;
 };
 struct Element {
   std::string name;
   uint64_t count;
   std::vector<Property> properties{};
+
+  bool has(std::initializer_list<Target> targets) const {
+    return std::all_of(targets.begin(), targets.end(), [&](Target target) {
+      return std::any_of(properties.begin(), properties.end(),
+                         [&](const Property& p) { return p.target == target; });
+    });
+  }
 };
 
 class PlyReader {
@@ -60,15 +60,13 @@ class PlyReader {
   Mesh mesh() {
     header();
     for (const Element& e : elements_) {
-      if (e.name == "tristrips" && e.count > 0)
-        fail("header", "has triangle strips, which are not supported; expected \"element face\"");
-      expect_bytes(e);
-      if (e.name == "vertex")
-        vertices(e);
-      else if (e.name == "face")
-        faces(e);
-      else
-        skip(e);
+      if (e.name == "vertex" && !e.has({px, py, pz})) fail("header", "vertices have no x, y and z");
+      if (e.name == "face" && e.count > 0 && !e.has({corners}))
+        fail("header", "faces have no list vertex_indices");
+      if (!e.properties.empty())
+        for (uint64_t i = 0; i < e.count; ++i) read(e, i);
+      if (e.name == "vertex" && !e.has({nx, ny, nz})) mesh_.normals.clear();
+      if (e.name == "vertex" && !e.has({tu, tv})) mesh_.uv.clear();
     }
     check(mesh_, name_);
     return std::move(mesh_);
@@ -78,194 +76,117 @@ class PlyReader {
   [[noreturn]] void fail(const std::string& place, const std::string& words) const {
     throw InputError(name_, place, words);
   }
-  [[noreturn]] void fail_here(const std::string& words) const {
-    fail(fmt::format("{} {}", element_, number_), words);
-  }
-
-  // ---- header
-
-  std::string line_place() const { return fmt::format("line {}", line_); }
-
-  std::vector<std::string_view> line() {
-    const size_t end = rest_.find(line_end_);
-    if (end == rest_.npos) fail("header", "ends before end_header");
-    std::string_view text = rest_.substr(0, end);
-    rest_.remove_prefix(end + 1);
-    ++line_;
-    return words_of(text);
-  }
 
   void header() {
-    if (rest_.starts_with("ply\r") && !rest_.starts_with("ply\r\n")) line_end_ = '\r';
-    if (const auto words = line(); words.size() != 1 || words[0] != "ply")
-      fail("line 1", "is not \"ply\"");
-    for (;;) {
-      const auto words = line();
-      if (words.empty() || words[0] == "comment" || words[0] == "obj_info") continue;
+    const char line_end = rest_.starts_with("ply\r") && !rest_.starts_with("ply\r\n") ? '\r' : '\n';
+    bool has_format = false;
+    for (size_t number = 1;; ++number) {
+      const size_t end = rest_.find(line_end);
+      if (end == rest_.npos) fail("header", "ends before end_header");
+      const auto words = words_of(rest_.substr(0, end));
+      rest_.remove_prefix(end + 1);
+      if (number == 1 && (words.size() != 1 || words[0] != "ply")) fail("line 1", "is not \"ply\"");
+      if (number == 1 || words.empty() || words[0] == "comment" || words[0] == "obj_info") continue;
       if (words[0] == "end_header") break;
-      if (words[0] == "format" && words.size() == 3)
-        format(words[1]);
-      else if (words[0] == "element" && words.size() == 3)
-        element(words[1], words[2]);
-      else if (words[0] == "property" && words.size() >= 3)
-        property(words);
-      else
-        fail(line_place(), fmt::format("\"{}\" is no line of a PLY header", shown(words[0], 40)));
+      has_format |= words[0] == "format";
+      if (!declares(words))
+        fail(fmt::format("line {}", number),
+             fmt::format("\"{}\" is no line of a PLY header",
+                         shown(fmt::format("{}", fmt::join(words, " ")), 40)));
     }
-    if (!has_format_) fail("header", "has no format");
+    if (!has_format) fail("header", "has no format");
   }
 
-  void format(std::string_view word) {
-    has_format_ = true;
-    ascii_ = word == "ascii";
-    order_ = word == "binary_big_endian" ? std::endian::big : std::endian::little;
-    if (!ascii_ && word != "binary_big_endian" && word != "binary_little_endian")
-      fail(line_place(), fmt::format("unknown format \"{}\"", shown(word, 40)));
-  }
-
-  void element(std::string_view name, std::string_view count) {
-    for (const Element& e : elements_)
-      if (e.name == name)
-        fail(line_place(), fmt::format("a second element \"{}\"", shown(name, 40)));
-    Element e{std::string(name), 0};
-    const auto [end, error] = std::from_chars(count.begin(), count.end(), e.count);
-    if (error != std::errc() || end != count.end())
-      fail(line_place(), fmt::format("\"{}\" is no number of elements", shown(count, 40)));
-    elements_.push_back(std::move(e));
-  }
-
-  void property(const std::vector<std::string_view>& words) {
-    if (elements_.empty()) fail(line_place(), "a property before the first element");
-    const bool list = words[1] == "list";
-    if (words.size() != (list ? 5 : 3)) fail(line_place(), "a property of too few or many words");
-    const auto type = [&](size_t i) -> const Type* {
+  // Whether a line of the header is a format, an element or a property.
+  bool declares(const std::vector<std::string_view>& words) {
+    if (words[0] == "format" && words.size() == 3) {
+      is_ascii_ = words[1] == "ascii";
+      order_ = words[1] == "binary_big_endian" ? std::endian::big : std::endian::little;
+      return is_ascii_ || words[1] == "binary_big_endian" || words[1] == "binary_little_endian";
+    }
+    if (words[0] == "element" && words.size() == 3) {
+      Element e{std::string(words[1]), 0};
+      const auto [end, error] = std::from_chars(words[2].begin(), words[2].end(), e.count);
+      elements_.push_back(std::move(e));
+      return error == std::errc() && end == words[2].end();
+    }
+    const bool is_list = words.size() == 5 && words[1] == "list";
+    if (words[0] != "property" || (words.size() != 3 && !is_list) || elements_.empty())
+      return false;
+    const auto type_named = [](std::string_view name) -> const Type* {
       for (const Type& t : kTypes)
-        if (words[i] == t.name || words[i] == t.sized_name) return &t;
-      fail(line_place(), fmt::format("unknown type \"{}\"", shown(words[i], 40)));
+        if (name == t.name || name == t.sized_name) return &t;
+      return nullptr;
     };
-    Property p{std::string(words.back()), type(list ? 3 : 1)};
-    if (list) p.length = type(2);
-    if (p.length >= &kTypes[6]) fail(line_place(), "a list's length is not an integer");
-    elements_.back().properties.push_back(std::move(p));
+    const Property p{type_named(words[words.size() - 2]), is_list ? type_named(words[2]) : nullptr,
+                     target_of(words.back(), is_list)};
+    elements_.back().properties.push_back(p);
+    return p.type && (!is_list || p.length);
   }
 
-  // ---- values
-
-  // The least that the elements can take: so no memory is taken for a wrong count.
-  void expect_bytes(const Element& e) {
-    size_t least = 0;
-    for (const Property& p : e.properties)
-      least += ascii_ ? 2 : (p.length ? p.length : p.type)->size;
-    // The file may end without white space.
-    const size_t most = least ? (rest_.size() + (ascii_ ? 1 : 0)) / least : 0;
-    if (least && e.count > most)
-      fail("header", fmt::format("{} elements \"{}\", but bytes for at most {}", e.count,
-                                 shown(e.name, 40), most));
-    element_ = shown(e.name, 40);
-    number_ = 0;
+  // What a property of the last element holds.
+  Target target_of(std::string_view name, bool is_list) const {
+    const std::string& element = elements_.back().name;
+    if (is_list)
+      return element == "face" && (name == "vertex_indices" || name == "vertex_index") ? corners
+                                                                                       : nothing;
+    if (element == "vertex")
+      for (const auto& [word, target] : kVertexTargets)
+        if (word == name) return target;
+    return nothing;
   }
 
-  double value(const Type* type) {
-    constexpr std::string_view white = " \t\r\n\v\f";
-    if (ascii_) rest_.remove_prefix(std::min(rest_.find_first_not_of(white), rest_.size()));
-    if (rest_.size() < (ascii_ ? 1 : type->size)) fail_here("the file ends before it is complete");
-    const auto bytes = rest_.substr(0, ascii_ ? rest_.find_first_of(white) : type->size);
-    rest_.remove_prefix(bytes.size());
-    if (!ascii_) return type->value(bytes.data(), order_);
-    if (const auto number = number_in(bytes)) return *number;
-    fail_here(fmt::format("\"{}\" is not a number", shown(bytes, 40)));
-  }
-
-  uint64_t length(const Property& p) {
-    const double n = value(p.length);
-    const size_t least = ascii_ ? 2 : p.type->size;
-    const size_t most = (rest_.size() + (ascii_ ? 1 : 0)) / least;
-    if (!(n >= 0) || n != std::floor(n)) fail_here(fmt::format("a list of {} values", n));
-    if (n > static_cast<double>(most))
-      fail_here(fmt::format("a list of {} values, but bytes for at most {}", n, most));
-    return static_cast<uint64_t>(n);
-  }
-
-  void skip(const Property& p) {
-    uint64_t n = p.length ? length(p) : 1;
-    while (n-- > 0) value(p.type);
-  }
-  void skip(const Element& e) {
-    if (e.properties.empty()) return;
-    for (; number_ < e.count; ++number_)
-      for (const Property& p : e.properties) skip(p);
-  }
-
-  void vertices(const Element& e) {
-    bool has[slots] = {};
-    std::vector<std::optional<Slot>> targets;
+  // Reads element number `index` of a kind. As all of its values take bytes, the file's size bounds
+  // the memory.
+  void read(const Element& e, uint64_t index) {
+    const auto fail_here = [&](const std::string& words) {
+      fail(fmt::format("{} {}", shown(e.name, 40), index), words);
+    };
+    const auto value = [&](const Type& type) {
+      constexpr std::string_view white = " \t\r\n\v\f";
+      if (is_ascii_) rest_.remove_prefix(std::min(rest_.find_first_not_of(white), rest_.size()));
+      if (rest_.size() < (is_ascii_ ? 1 : type.size))
+        fail_here("the file ends before it is complete");
+      const auto bytes = rest_.substr(0, is_ascii_ ? rest_.find_first_of(white) : type.size);
+      rest_.remove_prefix(bytes.size());
+      if (!is_ascii_) return type.value(bytes.data(), order_);
+      const auto number = number_in(bytes);
+      if (!number) fail_here(fmt::format("\"{}\" is not a number", shown(bytes, 40)));
+      return *number;
+    };
+    const auto whole = [&](const Type& type, const char* what) {
+      const double n = value(type);
+      if (!(n >= 0 && n <= 0xffffffff) || n != std::floor(n))
+        fail_here(fmt::format("{} is no {}", n, what));
+      return static_cast<uint32_t>(n);
+    };
+    float v[nothing] = {};
     for (const Property& p : e.properties) {
-      targets.push_back(p.length ? std::nullopt : slot_of(p.name));
-      if (targets.back()) has[*targets.back()] = true;
+      const uint32_t count = p.length ? whole(*p.length, "length of a list") : 1;
+      uint32_t first = 0, last = 0;
+      for (uint32_t i = 0; i < count; ++i) {
+        if (p.target != corners) {
+          const double x = value(*p.type);
+          if (p.target != nothing) v[p.target] = static_cast<float>(x);
+          continue;
+        }
+        const uint32_t corner = whole(*p.type, "number of a vertex");
+        if (i == 0) first = corner;
+        if (i >= 2) mesh_.triangles.push_back({first, last, corner});
+        last = corner;
+      }
     }
-    if (!has[px] || !has[py] || !has[pz]) fail("header", "vertices have no x, y and z");
-    const bool normals = has[nx] && has[ny] && has[nz], uv = has[tu] && has[tv];
-    for (; number_ < e.count; ++number_) {
-      float v[slots] = {};
-      for (size_t i = 0; i < targets.size(); ++i)
-        if (const auto slot = targets[i])
-          v[*slot] = static_cast<float>(value(e.properties[i].type));
-        else
-          skip(e.properties[i]);
-      mesh_.positions.push_back({v[px], v[py], v[pz]});
-      if (normals) mesh_.normals.push_back({v[nx], v[ny], v[nz]});
-      if (uv) mesh_.uv.push_back({v[tu], v[tv]});
-    }
-  }
-
-  void faces(const Element& e) {
-    const auto is_corners = [](const Property& p) {
-      return p.length && (p.name == "vertex_indices" || p.name == "vertex_index");
-    };
-    if (e.count > 0 && std::none_of(e.properties.begin(), e.properties.end(), is_corners))
-      fail("header", "faces have no list vertex_indices");
-    for (; number_ < e.count; ++number_)
-      for (const Property& p : e.properties)
-        if (is_corners(p))
-          polygon(p);
-        else
-          skip(p);
-  }
-
-  void polygon(const Property& p) {
-    uint32_t first = 0, last = 0;
-    const uint64_t n = length(p);
-    for (uint64_t i = 0; i < n; ++i) {
-      const double at = value(p.type);
-      if (!(at >= 0 && at <= 0xffffffff) || at != std::floor(at))
-        fail_here(fmt::format("{} is no number of a vertex", at));
-      const auto corner = static_cast<uint32_t>(at);
-      if (corner >= vertex_count())
-        fail_here(
-            fmt::format("refers to vertex {}, but the file has only {}", corner, vertex_count()));
-      if (i == 0)
-        first = corner;
-      else if (i >= 2)
-        mesh_.triangles.push_back({first, last, corner});
-      last = corner;
-    }
-  }
-
-  uint64_t vertex_count() const {
-    for (const Element& e : elements_)
-      if (e.name == "vertex") return e.count;
-    return 0;
+    if (e.name != "vertex") return;
+    mesh_.positions.push_back({v[px], v[py], v[pz]});
+    mesh_.normals.push_back({v[nx], v[ny], v[nz]});
+    mesh_.uv.push_back({v[tu], v[tv]});
   }
 
   std::string_view rest_;
   const std::string& name_;
-  char line_end_ = '\n';  ///< of the header
-  size_t line_ = 0;
-  bool has_format_ = false, ascii_ = false;
+  bool is_ascii_ = false;
   std::endian order_ = std::endian::little;
   std::vector<Element> elements_;
-  std::string element_;  ///< being read
-  uint64_t number_ = 0;  ///< of it, from 0
   Mesh mesh_;
 };
 

@@ -1,7 +1,7 @@
 // Squares, cubes and surfaces of revolution as meshes, and what can be done to any mesh.
 #include <cmath>
+#include <map>
 #include <numbers>
-#include <unordered_map>
 
 #include "tools/tdpt-import/meshes/meshes.h"
 
@@ -54,21 +54,22 @@ void flip_v(Mesh& mesh) {
   for (auto& uv : mesh.uv) uv[1] = 1 - uv[1];
 }
 
+double area_of(const Mesh& mesh, const Affine& map) {
+  const auto corner = [&](uint32_t i) { return map.point(in_double(mesh.positions[i])); };
+  double sum = 0;
+  for (const auto& [a, b, c] : mesh.triangles)
+    sum += length(cross(corner(b) - corner(a), corner(c) - corner(a))) / 2;
+  return sum;
+}
+
 void smooth(Mesh& mesh, bool across_seams) {
-  struct Hash {
-    size_t operator()(const std::array<float, 3>& p) const {
-      size_t h = 0;
-      for (const float x : p) h = (h ^ std::hash<float>()(x)) * 0x9e3779b97f4a7c15u, h ^= h >> 29;
-      return h;
-    }
-  };
-  std::unordered_map<std::array<float, 3>, Vec3d, Hash> sums;  // vertices at one place share one
-  std::vector<Vec3d> own(across_seams ? 0 : mesh.positions.size());
-  std::vector<Vec3d*> sum_of;
+  std::map<std::array<float, 3>, size_t> first_at;
+  std::vector<size_t> first;  // vertex at the place of each
   for (size_t i = 0; i < mesh.positions.size(); ++i) {
     const Vec3f& p = mesh.positions[i];
-    sum_of.push_back(across_seams ? &sums[{p.x, p.y, p.z}] : &own[i]);
+    first.push_back(across_seams ? first_at.try_emplace({p.x, p.y, p.z}, i).first->second : i);
   }
+  std::vector<Vec3d> sums(first.size());
   for (const auto& corners : mesh.triangles)
     for (size_t k = 0; k < 3; ++k) {
       const Vec3d p = in_double(mesh.positions[corners[k]]);
@@ -76,14 +77,14 @@ void smooth(Mesh& mesh, bool across_seams) {
                   b = in_double(mesh.positions[corners[(k + 2) % 3]]) - p;
       const Vec3d n = cross(a, b);
       const double l = length(n);
-      if (!(l > 0)) continue;
-      Vec3d& sum = *sum_of[corners[k]];
-      sum = sum + n * (std::atan2(l, dot(a, b)) / l);
+      Vec3d& sum = sums[first[corners[k]]];
+      if (l > 0) sum = sum + n * (std::atan2(l, dot(a, b)) / l);
     }
   mesh.normals.clear();
-  for (const Vec3d* sum : sum_of) {
-    const double l = length(*sum);
-    mesh.normals.push_back(l > 0 ? in_single(*sum / l) : Vec3f{0, 0, 1});  // opposite ones cancel
+  for (const size_t i : first) {
+    const double l = length(sums[i]);
+    mesh.normals.push_back(l > 0 ? in_single(sums[i] / l)
+                                 : Vec3f{0, 0, 1});  // opposite ones cancel
   }
 }
 

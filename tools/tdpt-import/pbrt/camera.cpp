@@ -26,30 +26,23 @@ Film read_film(const Entity& e, double exposure_time) {
   if (f.width < 1 || f.height < 1 || f.width > kMostPixels || f.height > kMostPixels)
     e.fail("a picture of {} x {} pixels", f.width, f.height);
   f.kept = {0, static_cast<double>(f.width), 0, static_cast<double>(f.height)};
-  if (const std::vector<double>* crop = e.floats("cropwindow"); crop && crop->size() == 4) {
+  if (const double* crop = e.numbers("cropwindow", {"float"}, 4)) {
     const auto at = [](double share, int size) {
       return std::ceil(std::clamp(share, 0.0, 1.0) * size);
     };
-    const auto [x0, x1] = std::minmax((*crop)[0], (*crop)[1]);
-    const auto [y0, y1] = std::minmax((*crop)[2], (*crop)[3]);
+    const auto [x0, x1] = std::minmax(crop[0], crop[1]);
+    const auto [y0, y1] = std::minmax(crop[2], crop[3]);
     f.kept = {at(x0, f.width), at(x1, f.width), at(y0, f.height), at(y1, f.height)};
   }
-  if (const std::vector<double>* p = e.integers("pixelbounds"); p && p->size() == 4)
-    f.kept = {std::clamp((*p)[0], 0.0, f.kept.x1), std::clamp((*p)[1], 0.0, f.kept.x1),
-              std::clamp((*p)[2], 0.0, f.kept.y1), std::clamp((*p)[3], 0.0, f.kept.y1)};
+  if (const double* p = e.numbers("pixelbounds", {"integer"}, 4))
+    f.kept = {std::clamp(p[0], 0.0, f.kept.x1), std::clamp(p[1], 0.0, f.kept.x1),
+              std::clamp(p[2], 0.0, f.kept.y1), std::clamp(p[3], 0.0, f.kept.y1)};
   if (!(f.kept.x1 > f.kept.x0 && f.kept.y1 > f.kept.y0))
     e.fail("the part of the film that is kept is empty");
   const double scale =
       e.context.v4 ? exposure_time * e.number("iso", 100) / 100 : e.number("scale", 1);
-  if (e.context.v4 &&
-      (e.text("sensor", "cie1931") != "cie1931" || e.number("whitebalance", 0) != 0))
-    e.lose("the film's sensor and white balance, which change colours, are left out");
   if (std::abs(scale - 1) > 1e-6)
     e.lose("the film's exposure, which multiplies the picture by {:.6g}, is left out", scale);
-  if (e.kind != "image" && e.kind != "rgb" && e.kind != "gbuffer" && e.kind != "spectral")
-    e.lose("the film \"{}\" is not known", shown(e.kind));
-  for (const char* limit : {"maxcomponentvalue", "maxsampleluminance"})
-    if (e.number(limit, HUGE_VAL) < 1e30) e.lose("the film's limit on bright samples is left out");
   e.ignore({"coordinatesystem", "diagonal", "filename", "lambdamax", "lambdamin", "nbuckets",
             "savefp16"});  // of the file that is written
   return f;
@@ -62,16 +55,16 @@ void add_camera(const Entity& e, const Entity& film_entity, const Affine& from_w
   const Film film = read_film(film_entity, std::abs(close - open));
   if (e.kind != "perspective") {
     e.lose("the camera \"{}\" is left out, as only perspective ones can be written", shown(e.kind));
-    return e.ignore_all();
+    return e.ignore();
   }
   const double aspect = static_cast<double>(film.width) / film.height;
   const double frame = e.number("frameaspectratio", aspect);
   if (!(frame > 0)) e.fail("the frame's aspect ratio is not above 0");
   Window screen = frame > 1 ? Window{-frame, frame, -1, 1} : Window{-1, 1, -1 / frame, 1 / frame};
-  if (const std::vector<double>* w = e.floats("screenwindow")) {
-    if (w->size() != 4 || !((*w)[1] > (*w)[0]) || !((*w)[3] > (*w)[2]))
+  if (const double* w = e.numbers("screenwindow", {"float"}, 4)) {
+    if (!(w[1] > w[0] && w[3] > w[2]))
       e.fail("the screen window must be two growing pairs of numbers");
-    screen = {(*w)[0], (*w)[1], (*w)[2], (*w)[3]};
+    screen = {w[0], w[1], w[2], w[3]};
   }
   double fov = e.number("fov", 90);
   if (const double half = e.number("halffov", -1); half > 0) fov = 2 * half;

@@ -1,5 +1,6 @@
-// By pbrt-v3's lights/*.cpp and pbrt-v4's lights.cpp. In pbrt-v4, an `rgb` stands for that colour
-// in daylight, and "scale" is divided by the daylight's luminance: rgb 1 1 1 is radiance 1 1 1.
+// Lights, by pbrt-v3's lights/*.cpp and pbrt-v4's lights.cpp. In pbrt-v4, an `rgb` stands for that
+// colour in daylight, and "scale" is divided by the daylight's luminance: rgb 1 1 1 is radiance 1
+// 1 1.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -17,7 +18,7 @@ Rgb times(const Rgb& c, double k) {
 }
 
 Rgb light_of(const Entity& e, const char* name) {
-  return e.spectrum(name, Use::light).value_or(Rgb(1));
+  return e.spectrum(name, Role::light).value_or(Rgb(1));
 }
 
 // "scale" is a spectrum in pbrt-v3.
@@ -37,71 +38,37 @@ double to_reach(const Entity& e, const char* name, double per_unit) {
   return wanted > 0 && per_unit > 0 ? wanted / per_unit : 1;
 }
 
-Lamp point(const Entity& e, const Affine& to_world) {
-  Lamp lamp;
-  const Vec3d from = e.point("from", {});
-  // pbrt-v3 moves its point lights after the transformation.
-  lamp.at = e.context.v4 ? to_world.point(from) : to_world.t + from;
-  lamp.intensity = times(scaled_light(e, "I"), to_reach(e, "power", 4 * kPi));
-  return lamp;
-}
-
-Lamp spot(const Entity& e, const Affine& to_world) {
-  Lamp lamp;
-  lamp.kind = Lamp::Kind::spot;
+void add_lamp(const Entity& e, const Affine& to_world) {
   const Vec3d from = e.point("from", {}), to = e.point("to", {0, 0, 1});
-  lamp.at = to_world.point(from);
-  lamp.towards = to_world.vector(to - from);
-  const double cone = std::clamp(e.number("coneangle", 30), 0.0, 180.0);
-  const double delta = std::clamp(e.number("conedeltaangle", 5), 0.0, cone);
-  lamp.outer = cone * kPi / 180;
-  lamp.inner = (cone - delta) * kPi / 180;
-  const double start = std::cos(lamp.inner), end = std::cos(lamp.outer);
-  lamp.intensity = times(scaled_light(e, "I"),
-                         to_reach(e, "power", 2 * kPi * ((1 - start) + (start - end) / 2)));
-  if (delta > 0) e.lose("the course of a spot's intensity between its two cones becomes glTF's");
-  if (!(length(lamp.towards) > 0)) e.fail("the spot has no direction");
-  return lamp;
-}
-
-Lamp distant(const Entity& e, const Affine& to_world) {
   Lamp lamp;
-  lamp.kind = Lamp::Kind::sun;
-  lamp.towards = to_world.vector(e.point("to", {0, 0, 1}) - e.point("from", {}));
-  if (!(length(lamp.towards) > 0)) e.fail("the distant light has no direction");
-  lamp.intensity = times(scaled_light(e, "L"), to_reach(e, "illuminance", 1));
-  return lamp;
+  if (e.kind == "distant") {
+    lamp.kind = Lamp::Kind::sun;
+    lamp.intensity = times(scaled_light(e, "L"), to_reach(e, "illuminance", 1));
+  } else if (e.kind == "spot") {
+    lamp.kind = Lamp::Kind::spot;
+    lamp.at = to_world.point(from);
+    const double cone = std::clamp(e.number("coneangle", 30), 0.0, 180.0);
+    const double delta = std::clamp(e.number("conedeltaangle", 5), 0.0, cone);
+    lamp.outer = cone * kPi / 180;
+    lamp.inner = (cone - delta) * kPi / 180;
+    const double start = std::cos(lamp.inner), end = std::cos(lamp.outer);
+    lamp.intensity = times(scaled_light(e, "I"),
+                           to_reach(e, "power", 2 * kPi * ((1 - start) + (start - end) / 2)));
+    if (delta > 0) e.lose("the course of a spot's intensity between its two cones becomes glTF's");
+  } else {
+    // pbrt-v3 moves its point lights after the transformation.
+    lamp.at = e.context.v4 ? to_world.point(from) : to_world.t + from;
+    lamp.intensity = times(scaled_light(e, "I"), to_reach(e, "power", 4 * kPi));
+  }
+  if (e.kind == "goniometric") {
+    e.lose("a goniometric light becomes a point that shines evenly");
+    e.ignore({"filename", "mapname"});
+  }
+  lamp.name = e.kind == "goniometric" ? "point" : e.kind;
+  if (lamp.kind != Lamp::Kind::point) lamp.towards = to_world.vector(to - from);
+  if (!(length(lamp.towards) > 0)) e.fail("the light has no direction");
+  e.context.scene.lamps.push_back(lamp);
 }
-
-Lamp goniometric(const Entity& e, const Affine& to_world) {
-  e.lose("a goniometric light becomes a point that shines evenly");
-  e.ignore({"filename", "mapname"});
-  return point(e, to_world);
-}
-
-Lamp projection(const Entity& e, const Affine& to_world) {
-  e.lose("a projector becomes a spot without its image");
-  e.ignore({"filename", "mapname"});
-  Lamp lamp;
-  lamp.kind = Lamp::Kind::spot;
-  lamp.at = to_world.t;
-  lamp.towards = to_world.z;
-  lamp.outer = lamp.inner =
-      std::clamp(e.number("fov", e.context.v4 ? 90 : 45), 0.0, 179.0) * kPi / 360;
-  lamp.intensity = scaled_light(e, "I");
-  return lamp;
-}
-
-struct LampKind {
-  std::string_view kind;
-  const char* name;  ///< in the glTF
-  Lamp (*read)(const Entity&, const Affine&);
-};
-constexpr LampKind kLamps[] = {{"point", "point", point},
-                               {"spot", "spot", spot},
-                               {"distant", "distant", distant},
-                               {"goniometric", "point", goniometric},
-                               {"projection", "projection", projection}};
 
 // The upper half of the equal-area square about +z: its inner diamond |2u-1| + |2v-1| < 1.
 // Cosine there: 1 - r^2 with r = |2u-1| + |2v-1| (Clarberg 2008).
@@ -116,17 +83,10 @@ double illuminance_of_square(const Texels& t) {
   return sum * 4 * kPi / (static_cast<double>(t.width) * t.height);
 }
 
-bool is_alike(const Sky& a, const Sky& b) {
-  const auto near = [](const auto& x, const auto& y) { return length(x - y) <= 1e-5f * length(x); };
-  return a.image == b.image && near(a.colour, b.colour) &&
-         (!a.image || (near(a.to_map.x, b.to_map.x) && near(a.to_map.y, b.to_map.y) &&
-                       near(a.to_map.z, b.to_map.z)));
-}
-
 // pbrt-v4's window for a light, in the world's own coordinates. Corners run counter-clockwise as
 // seen from the room [PortalImageInfiniteLight: Frame::FromXY(p03, p01), whose z leads out].
 bool add_portal(const Entity& e) {
-  const std::vector<double>* p = e.context.v4 ? e.tuples("portal", 3) : nullptr;
+  const std::vector<double>* p = e.context.v4 ? e.list("portal", {"point3"}, 3) : nullptr;
   if (!p || p->empty()) return false;
   if (p->size() != 12) e.fail("a portal of {} corners, expected 4", p->size() / 3);
   Mesh mesh;
@@ -159,7 +119,7 @@ void add_infinite(const Entity& e, const Affine& to_world) {
   if (context.v4) {
     // pbrt scales by the mean over the square, which counts the upper half alone: 2 pi, not 4 pi.
     // One colour behind a portal is a square of one texel, at the zenith.
-    const double per_unit = sky.image && e.find("illuminance")
+    const double per_unit = sky.image && e.has("illuminance")
                                 ? illuminance_of_square(context.texels(*sky.image)) / 2
                             : has_portal && !sky.image ? 2 * kPi * luminance(light_of(e, "L"))
                                                        : kPi;
@@ -174,8 +134,8 @@ void add_infinite(const Entity& e, const Affine& to_world) {
   if (has_portal) {
     e.lose(
         "in pbrt the light of a sky with portals comes in by these alone, here by every opening");
-    if (context.portals_sky) {  // seen through another window
-      if (!is_alike(*context.portals_sky, sky))
+    if (const auto& first = context.portals_sky) {  // seen through another window
+      if (sky.image != first->image || sky.colour != first->colour)
         e.lose("all portals lead to the sky of the first one");
       return;
     }
@@ -194,24 +154,14 @@ void add_infinite(const Entity& e, const Affine& to_world) {
 
 void add_light(const Entity& e, const Affine& to_world) {
   if (e.kind == "infinite" || e.kind == "exinfinite") return add_infinite(e, to_world);
-  for (const LampKind& known : kLamps)
-    if (e.kind == known.kind) {
-      Lamp lamp = known.read(e, to_world);
-      lamp.name = known.name;
-      e.context.scene.lamps.push_back(lamp);
-      return;
-    }
-  e.lose("the light \"{}\" is not known and left out", shown(e.kind));
-  e.ignore_all();
+  for (const char* kind : {"point", "spot", "distant", "goniometric"})
+    if (e.kind == kind) return add_lamp(e, to_world);
+  e.lose("lights of the kind \"{}\" are left out", shown(e.kind));
+  e.ignore();
 }
 
 AreaLight area_light(const Entity& e) {
   AreaLight light;
-  if (e.kind != "diffuse" && e.kind != "area") {
-    e.lose("the area light \"{}\" is not known and left out", shown(e.kind));
-    e.ignore_all();
-    return light;
-  }
   Colour& radiance = light.emission.radiance;
   radiance.factor = scaled_light(e, "L");
   light.emission.both_sides = e.flag("twosided", false);

@@ -2,17 +2,14 @@
 // transformations and spectra (values.cpp), textures, materials (surfaces.cpp), shapes, lights and
 // cameras. The directives (pbrt.cpp) put them together.
 #pragma once
-#include <fmt/format.h>
-
-#include <array>
 #include <map>
-#include <memory>
 #include <optional>
-#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
+
+#include <fmt/format.h>
 
 #include "libcommon/math/vec.h"
 #include "tools/tdpt-import/described.h"
@@ -23,57 +20,49 @@ namespace tdpt::foreign::pbrt {
 // ---- Words of scene files ----
 
 /// `bytes` as they are, or inflated if they are compressed by gzip. Throws InputError with `name`
-/// for broken streams and for more than 1 GiB.
+/// for broken streams.
 std::string unpacked(std::string bytes, const std::string& name);
 
 struct Token {
-  enum class Kind { word, quoted, open, close } kind = Kind::word;
+  enum class Kind { word, quoted, open, close, end } kind = Kind::word;
   std::string text;  ///< without quotes
 };
 
-/// The tokens of a file and of the files that it includes.
+/// The tokens of one file.
 class Tokens {
  public:
   /// `text` must outlive this.
-  Tokens(std::string_view text, std::string shown_name);
+  Tokens(std::string_view text, std::string file)
+      : text_(text), file_(std::move(file)), ahead_(scanned()) {}
 
-  /// The next token; none at the end of the last file. Throws InputError.
-  std::optional<Token> next();
-  /// Gives `token`, which next() returned last, back.
-  void back(Token&& token) { again_ = std::move(token); }
-  /// Where the last token was.
-  const Place& place() const { return last_; }
-
-  /// Goes on with the file `given`, and then with the rest of this one. Files are at most 15 deep.
-  void include(Source& source, const std::string& given);
-  /// How many files are open.
-  size_t depth() const { return open_.size(); }
+  /// What next() returns next.
+  const Token& peek() const { return ahead_; }
+  Token next();
+  /// Where the last token of next() was.
+  Place place() const { return {file_, fmt::format("line {}", last_line_)}; }
+  /// The finite number that `token`, the last one, is.
+  double number_of(const Token& token) const;
+  template <class... A>
+  [[noreturn]] void fail(fmt::format_string<const A&...> message, const A&... values) const {
+    Source::fail(place(), fmt::format(message, values...));
+  }
 
  private:
-  struct File {
-    std::string name, shown;
-    std::string bytes;      // of an included file
-    std::string_view text;  // all of it
-    size_t at = 0, line = 1;
-  };
-  std::string quoted(File& file);
+  Token scanned();
+  std::string rest_of_string();
 
-  std::vector<std::unique_ptr<File>> open_;
-  std::optional<Token> again_;
-  Place last_;
-  size_t files_ = 0, bytes_ = 0;  // included so far
+  std::string_view text_;
+  std::string file_;
+  size_t at_ = 0, line_ = 1, ahead_line_ = 1, last_line_ = 1;
+  Token ahead_;
 };
-
-/// Finite number of a token; throws InputError at `place`.
-double number_of(const Token& token, const Place& place);
 
 /// "type name" [values] after a directive.
 struct Parameter {
   std::string type, name;
-  std::vector<double> numbers{};
-  std::vector<std::string> strings{};
-  std::vector<char> flags{};
   Place place;
+  std::vector<double> numbers{};  ///< of a flag 0 or 1
+  std::vector<std::string> strings{};
   Key key{};
 };
 
@@ -87,10 +76,10 @@ struct Surface {
 };
 
 struct NamedTexture {
-  std::optional<Colour> colour{};
-  std::optional<Number> number{};
-  Key key{};         ///< taken when something names the texture
-  size_t depth = 0;  ///< of textures that are made of others; 0: being made for the first time
+  Colour value{};
+  bool is_number = false;  ///< the value is grey
+  Key key{};               ///< taken when something names the texture
+  size_t depth = 0;        ///< textures that are made of others are deeper; 0: not read yet
 };
 
 struct Context {
@@ -107,20 +96,15 @@ struct Context {
   std::map<std::string, std::optional<Rgb>> absorbing{};  ///< media: left of white after length 1
   std::map<std::string, size_t> materials{};  ///< of the scene, by surface, medium and alpha
   std::map<std::string, size_t> meshes{};     ///< of the scene, by file or kind of shape
+  std::map<std::string, size_t> images{};     ///< of the scene, by file
 
   /// The picture of this file, read once.
   size_t image(const std::string& name, const Place& place);
   Texels texels(size_t image) const;
-  /// Whether it is anywhere transparent.
-  bool has_alpha(size_t image);
-
- private:
-  std::map<std::string, size_t> images_{};
-  std::map<size_t, bool> has_alpha_{};
 };
 
-/// What a spectrum is for. Of a light, pbrt-v4 scales every spectrum but `rgb` to luminance 1.
-enum class Use { reflectance, index, light };
+/// What a spectrum is of. pbrt-v4 scales every spectrum of a light but `rgb` to luminance 1.
+enum class Role { reflectance, index, light };
 
 /// What a directive makes: its kind, such as "matte", and its parameters. A parameter is found by
 /// name and type, as in pbrt: one of another type counts as absent, and stays unread.
@@ -134,37 +118,40 @@ struct Entity {
   Key key{};  ///< of the directive; while nobody takes it, nobody misses the parameters
   std::vector<Parameter> all{};
 
-  /// Reads the parameters that stand next in `tokens`; `whose`: "Material "matte"".
-  void read(Tokens& tokens, const std::string& whose);
-  /// Appends those of pbrt-v4's Attribute, the last of a name first.
-  void defaults(const std::vector<Parameter>& of_attribute);
+  /// Reads the parameters that stand next in `tokens`; `owner`: "Material "matte"".
+  void read(Tokens& tokens, const std::string& owner);
 
+  /// The first of that name and one of these types.
   const Parameter* find(const std::string& name, std::initializer_list<const char*> types) const;
-  /// The first of that name with any type.
-  const Parameter* find(const std::string& name) const;
+  /// Whether there is one of that name and any type, which is not read by this.
+  bool has(const std::string& name) const;
 
+  /// So many numbers; null: there is no such parameter.
+  const double* numbers(const std::string& name, std::initializer_list<const char*> types,
+                        size_t count) const;
   double number(const std::string& name, double absent) const;
   int integer(const std::string& name, int absent) const;
   bool flag(const std::string& name, bool absent) const;
-  std::string text(const std::string& name, const std::string& absent = "") const;
-  std::string texture(const std::string& name) const;  ///< name of a texture; empty: none
+  std::string text(const std::string& name, const std::string& absent = "",
+                   const char* type = "string") const;
+  /// Name of a texture; empty: none.
+  std::string texture(const std::string& name) const { return text(name, "", "texture"); }
   Vec3d point(const std::string& name, const Vec3d& absent) const;
-  const std::vector<double>* floats(const std::string& name) const;
-  const std::vector<double>* integers(const std::string& name) const;
-  /// Points, vectors or normals of `size` numbers each.
-  const std::vector<double>* tuples(const std::string& name, size_t size) const;
-  /// Of any of pbrt's types for colours, as linear Rec.709.
-  std::optional<Rgb> spectrum(const std::string& name, Use use) const;
+  /// Any number of tuples of `size` numbers each.
+  const std::vector<double>* list(const std::string& name, std::initializer_list<const char*> types,
+                                  size_t size = 1) const;
+  /// A value of any of pbrt's types for colours, as linear Rec.709.
+  std::optional<Rgb> spectrum(const std::string& name, Role role) const;
   /// Index of refraction: a number or a spectrum, whose green value is taken.
   double index(const std::string& name, double absent) const;
   /// A texture or one value.
-  Colour colour(const std::string& name, const Rgb& absent, Use use = Use::reflectance) const;
+  Colour colour(const std::string& name, const Rgb& absent, Role role = Role::reflectance) const;
   std::optional<Number> varying(const std::string& name) const;
   Number varying(const std::string& name, double absent) const;
 
-  /// Takes parameters that do not change the picture, or whose loss is named otherwise.
-  void ignore(std::initializer_list<const char*> names) const;
-  void ignore_all() const;
+  /// Takes parameters that do not change the picture, or whose loss is named otherwise; all of them
+  /// if no names are given.
+  void ignore(std::initializer_list<const char*> names = {}) const;
 
   template <class... A>
   void lose(fmt::format_string<const A&...> sentence, const A&... values) const {
@@ -174,26 +161,14 @@ struct Entity {
   [[noreturn]] void fail(fmt::format_string<const A&...> message, const A&... values) const {
     Source::fail(place, fmt::format(message, values...));
   }
-
- private:
-  const Parameter* one(const std::string& name, const char* type) const;
-
-  size_t own_ = SIZE_MAX;  // of these, the others are defaults
 };
 
 // ---- Transformations ----
 
-bool is_bounded(const Affine& a);
 /// Throws InputError at `place` for a map that flattens space.
 Affine inverse(const Affine& a, const Place& place);
-Affine translated(const Vec3d& by);
-Affine scaled_by(const Vec3d& by);
-/// About `axis`; a zero axis turns nothing.
-Affine rotated(double degrees, const Vec3d& axis);
-/// From the world to a camera that looks along +z.
-Affine looking(const Vec3d& from, const Vec3d& at, const Vec3d& up, const Place& place);
-/// Of sixteen numbers, column by column.
-Affine affine_of_matrix(std::span<const double> m, const Place& place);
+/// Throws InputError at `place` for a map that is not finite.
+void require_finite(const Affine& a, const Place& place);
 Vec3f vec_at(const std::vector<double>& numbers, size_t i);
 
 // ---- What directives make ----
@@ -221,8 +196,8 @@ struct State {
   size_t surface = 0;
   std::optional<AreaLight> area{};
   std::string inside{}, outside{};  ///< media
-  /// pbrt-v4's "Attribute" of shape, light, material, medium, texture; shared until one is added.
-  std::array<std::shared_ptr<const std::vector<Parameter>>, 5> attributes{};
+  /// pbrt-v4's "Attribute": parameters by "shape", "light", "material", "medium" or "texture".
+  std::map<std::string, std::vector<Parameter>> attributes{};
 };
 
 /// None for a shape that is lost. Shapes of an object with instances do not shine.

@@ -218,7 +218,7 @@ TEST_F(scene, reads_meshes_of_files_once_also_compressed) {
   const std::string of_c = "Shape \"plymesh\" \"string filename\" \"c.ply.gz\"";
   EXPECT_EQ(v4(of_c).meshes.at(0).positions.size(), 3u);
   folder_.write("c.ply.gz", packed.substr(0, packed.size() / 2));
-  EXPECT_NE(refusal(kFilm4 + "WorldBegin " + of_c).find("compressed bytes are broken"),
+  EXPECT_NE(refusal(kFilm4 + "WorldBegin " + of_c).find("compressed data end early"),
             std::string::npos);
 }
 
@@ -361,7 +361,9 @@ TEST_F(scene, has_materials_of_pbrt_v3) {
   expect_colour(made("\"matte\" \"rgb Kd\" [.1 .2 .3]").base.factor, {.1f, .2f, .3f});
   expect_nothing_lost();
   made("\"matte\" \"float sigma\" [20]");
-  expect_lost("material \"matte\": the roughness \"sigma\"");
+  expect_lost("\"float sigma\" of Material \"matte\" is not read");
+  made("\"matte\" \"float sigma\" [0]");
+  expect_nothing_lost();
   const Material p = made(
       "\"plastic\" \"rgb Kd\" [.5 .5 .5] \"rgb Ks\" [.5 .25 .5] \"float roughness\" "
       "[0.04] \"bool remaproughness\" \"false\"");
@@ -563,7 +565,7 @@ TEST_F(scene, goes_on_with_included_files) {
   folder_.write("in/b.pbrt", "Translate 0 0 1\n");
   expect_near(v4("Include \"in/b.pbrt\"" + kTriangle).shapes.at(0).to_world.t, {0, 0, 1});
   expect_near(v4("Import \"in/b.pbrt\"" + kTriangle).shapes.at(0).to_world.t, {0, 0, 0});
-  EXPECT_NE(refusal("Include \"./a.pbrt\"").find("includes itself"), std::string::npos);
+  EXPECT_NE(refusal("Include \"./a.pbrt\"").find("files include each other"), std::string::npos);
 }
 
 TEST_F(scene, keeps_states_apart) {
@@ -585,8 +587,6 @@ TEST_F(scene, names_limits_of_integrators) {
   EXPECT_NE(integrator("\"path\" \"integer maxdepth\" [1]").find("--max-depth 2 "),
             std::string::npos);  // of bounces
   EXPECT_NE(integrator("\"volpath\" \"bool regularize\" true"), "");
-  EXPECT_NE(integrator("\"ambientocclusion\" \"float maxdistance\" 3").find("shows other light"),
-            std::string::npos);
   EXPECT_EQ(integrator("\"volpath\" \"integer maxdepth\" [100] \"string lightsampler\" \"bvh\""),
             "");
 }
@@ -600,13 +600,13 @@ TEST_F(scene, begins_with_a_byte_order_mark_or_without) {
 TEST_F(scene, names_every_unknown_key) {
   folder_.write("wood.png", "not decoded here");
   const std::vector<std::string> lines = {
-      "Option \"integer seed\" 3 *",
+      "Option \"integer seed\" 3 \"float any\" 7",
       "Camera \"perspective\" \"float fov\" 40 *",
       "Film \"rgb\" \"integer xresolution\" [200] *",
-      "Integrator \"volpath\" *",
-      "Sampler \"halton\" \"integer pixelsamples\" 16 *",
-      "PixelFilter \"gaussian\" \"float xradius\" 2 *",
-      "Accelerator \"bvh\" *",
+      "Integrator \"volpath\" \"float any\" 7",
+      "Sampler \"halton\" \"integer pixelsamples\" 16 \"float any\" 7",
+      "PixelFilter \"gaussian\" \"float xradius\" 2 \"float any\" 7",
+      "Accelerator \"bvh\" \"float any\" 7",
       "WorldBegin",
       "Attribute \"shape\" \"float radius\" 2 *",
       "Attribute \"material\" \"float roughness\" 0 *",
@@ -645,9 +645,6 @@ TEST_F(scene, names_every_unknown_key) {
         << lines[i] << losses_;
     EXPECT_EQ(std::count(losses_.begin(), losses_.end(), '\n'), 1) << losses_;
   }
-  v4("Attribute \"shape\" \"float radius\" 2\nShape \"sphere\" \"float radius\" 1 \"float radius\" "
-     "3");
-  EXPECT_EQ(losses_, "line 4: \"float radius\" of Shape \"sphere\" is not read\n");
   // Nobody needs the parameters of what nobody names.
   v4("MakeNamedMaterial \"m\" \"string type\" \"diffuse\" \"float unheard\" 1\n"
      "Texture \"t\" \"spectrum\" \"constant\" \"float unheard\" 1\n" +
@@ -663,14 +660,14 @@ TEST_F(scene, with_errors_is_refused_with_the_line) {
   expect_refused("", "no WorldBegin");
   expect_refused("WorldBegin\n\nFoo", "line 3: \"Foo\" is not a directive");
   expect_refused("WorldBegin \"a", "line 1: a string does not end on its line");
-  expect_refused("WorldBegin Translate 1 2", "the file ends where a number should follow");
+  expect_refused("WorldBegin Translate 1 2", "\"end of the file\" is not a number");
   expect_refused("WorldBegin Translate 1 2 nan", "\"nan\" is not a number");
   expect_refused("WorldBegin Translate 1 2 1e999", "\"1e999\" is not a number");
   expect_refused("WorldBegin Shape \"sphere\" \"radius\" [1]", "not a parameter's type and name");
   expect_refused("WorldBegin Shape \"sphere\" \"float radius\" [1 2]",
-                 "\"radius\" must have one value");
+                 "\"radius\" must have 1 number");
   expect_refused("WorldBegin Shape \"sphere\" \"float radius\" [1",
-                 "no end of the values of \"radius\"");
+                 "\"end of the file\" is not a number");
   expect_refused("WorldBegin Shape \"sphere\" \"float radius\" [1 \"a\"]",
                  "values of different kinds");
   expect_refused(

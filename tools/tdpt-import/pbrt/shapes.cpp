@@ -12,6 +12,7 @@
 #include <numeric>
 
 #include "libcommon/base/words.h"
+#include "tools/tdpt-import/materials.h"
 #include "tools/tdpt-import/meshes/meshes.h"
 #include "tools/tdpt-import/pbrt/pbrt.h"
 
@@ -23,67 +24,55 @@ struct Geometry {
   size_t mesh = 0;
   Affine to_object{};
   std::string name;
-  size_t faces = 1;     ///< pbrt's own shapes that it consists of
   bool is_mesh = true;  ///< areas are measured in the world, else in the object's space
+  size_t faces = 1;     ///< pbrt's own shapes that it consists of
 };
 
-// pbrt takes the triangle's normal where a vertex has one of length zero, and turns triangles to
-// the side of their normals.
-void mend_normals(Mesh& mesh) {
+// pbrt turns triangles to the side of their normals.
+void turn_to_normals(Mesh& mesh) {
   if (mesh.normals.empty()) return;
-  const auto across = [&](const std::array<uint32_t, 3>& t) {
-    const Vec3f& a = mesh.positions[t[0]];
-    return cross(mesh.positions[t[1]] - a, mesh.positions[t[2]] - a);
-  };
-  const auto is_broken = [](const Vec3f& n) { return !(dot(n, n) > 0) || !tdpt::is_finite(n); };
-  if (std::any_of(mesh.normals.begin(), mesh.normals.end(), is_broken)) {
-    std::vector<Vec3f> mean(mesh.normals.size());
-    for (const auto& t : mesh.triangles)
-      for (const uint32_t i : t) mean[i] = mean[i] + across(t);
-    for (size_t i = 0; i < mean.size(); ++i)
-      if (is_broken(mesh.normals[i]))
-        mesh.normals[i] = is_broken(mean[i]) ? Vec3f(0, 0, 1) : normalize(mean[i]);
+  for (auto& t : mesh.triangles) {
+    const Vec3f n = mesh.normals[t[0]] + mesh.normals[t[1]] + mesh.normals[t[2]];
+    if (dot(front_of(mesh, t), in_double(n)) < 0) std::swap(t[1], t[2]);
   }
-  for (auto& t : mesh.triangles)
-    if (dot(across(t), mesh.normals[t[0]] + mesh.normals[t[1]] + mesh.normals[t[2]]) < 0)
-      std::swap(t[1], t[2]);
 }
 
-// Common to meshes of triangles and of patches: vertices, and indices of faces of so many corners.
+// Index of a mesh that several shapes may show.
+template <class Make>
+size_t shared(Context& context, const std::string& key, const Make& make) {
+  const auto [it, is_new] = context.meshes.try_emplace(key, context.scene.meshes.size());
+  if (is_new) context.scene.meshes.push_back(make());
+  return it->second;
+}
+
+// What meshes of triangles and of patches share: vertices, and indices of faces of so many corners.
 struct Faces {
   Mesh mesh;
-  std::vector<size_t> corners;
+  std::vector<uint32_t> corners;
 };
 
 Faces faces_of(const Entity& e, size_t corners) {
-  const std::vector<double>*points = e.tuples("P", 3), *normals = e.tuples("N", 3),
-        *uv = e.tuples("uv", 2);
-  const std::vector<double>* indices = e.integers("indices");
-  if (!uv) uv = e.tuples("st", 2);
+  const std::initializer_list<const char*> kVectors{"point",   "point3", "vector",
+                                                    "vector3", "normal", "normal3"};
+  // pbrt-v3 also takes plain numbers for texture coordinates.
+  const std::initializer_list<const char*> kPairs{"point2", "vector2", "float"};
+  const std::vector<double>*points = e.list("P", kVectors, 3), *normals = e.list("N", kVectors, 3),
+        *uv = e.list("uv", kPairs, 2);
+  const std::vector<double>* indices = e.list("indices", {"integer"});
+  if (!uv) uv = e.list("st", kPairs, 2);
   e.ignore({"S", "faceIndices"});  // tangents; for Ptex
   if (!points || points->empty()) e.fail("a mesh without points \"P\"");
   const size_t count = points->size() / 3;
   if (!indices && count != corners) e.fail("a mesh without \"indices\"");
-  if (normals && normals->size() != points->size()) {
-    e.lose("normals of a mesh that has another number of points are left out");
-    normals = nullptr;
-  }
-  if (uv && uv->size() / 2 < count) {
-    e.lose("texture coordinates of a mesh that has more points are left out");
-    uv = nullptr;
-  }
+  if ((normals && normals->size() != points->size()) || (uv && uv->size() / 2 < count))
+    e.fail("normals or texture coordinates of another number of points");
   Faces f;
-  if (!indices) {
-    f.corners.resize(corners);
-    std::iota(f.corners.begin(), f.corners.end(), size_t{0});
-  } else {
-    for (const double i : *indices) {
-      if (!(i >= 0 && i < static_cast<double>(count)))
-        e.fail("index {} of a mesh of {} points", i, count);
-      f.corners.push_back(static_cast<size_t>(i));
-    }
+  for (size_t i = 0; i < (indices ? indices->size() / corners * corners : corners); ++i) {
+    const double corner = indices ? (*indices)[i] : static_cast<double>(i);
+    if (!(corner >= 0 && corner < static_cast<double>(count)))
+      e.fail("index {} of a mesh of {} points", corner, count);
+    f.corners.push_back(static_cast<uint32_t>(corner));
   }
-  f.corners.resize(f.corners.size() / corners * corners);
   for (size_t i = 0; i < count; ++i) {
     f.mesh.positions.push_back(vec_at(*points, i));
     if (!tdpt::is_finite(f.mesh.positions.back()))
@@ -97,43 +86,33 @@ Faces faces_of(const Entity& e, size_t corners) {
 }
 
 Geometry added(const Entity& e, Mesh&& mesh, size_t faces) {
-  mend_normals(mesh);
-  std::vector<Mesh>& meshes = e.context.scene.meshes;
-  meshes.push_back(std::move(mesh));
-  return {meshes.size() - 1, {}, e.kind, faces, true};
+  turn_to_normals(mesh);
+  e.context.scene.meshes.push_back(std::move(mesh));
+  return {e.context.scene.meshes.size() - 1, {}, e.kind, true, faces};
 }
 
 Geometry triangles(const Entity& e) {
-  Faces f = faces_of(e, 3);
-  Mesh& mesh = f.mesh;
-  const std::vector<size_t>& corners = f.corners;
-  for (size_t i = 0; i < corners.size(); i += 3)
-    mesh.triangles.push_back({static_cast<uint32_t>(corners[i]),
-                              static_cast<uint32_t>(corners[i + 1]),
-                              static_cast<uint32_t>(corners[i + 2])});
-  return added(e, std::move(mesh), mesh.triangles.size());
+  auto [mesh, c] = faces_of(e, 3);
+  for (size_t i = 0; i < c.size(); i += 3) mesh.triangles.push_back({c[i], c[i + 1], c[i + 2]});
+  return added(e, std::move(mesh), c.size() / 3);
 }
 
 Geometry patches(const Entity& e) {
-  Faces f = faces_of(e, 4);
-  Mesh& mesh = f.mesh;
-  std::vector<size_t>& corners = f.corners;
-  e.ignore({"emissionfilename"});  // how it is sampled
-  if (mesh.uv.empty()) {           // each patch has (u, v) of its own
+  auto [mesh, c] = faces_of(e, 4);
+  if (mesh.uv.empty()) {  // each patch has (u, v) of its own
     const Mesh shared = std::exchange(mesh, {});
-    for (size_t i = 0; i < corners.size(); ++i) {
-      mesh.positions.push_back(shared.positions[corners[i]]);
-      if (!shared.normals.empty()) mesh.normals.push_back(shared.normals[corners[i]]);
+    for (uint32_t i = 0; i < c.size(); ++i) {
+      mesh.positions.push_back(shared.positions[c[i]]);
+      if (!shared.normals.empty()) mesh.normals.push_back(shared.normals[c[i]]);
       mesh.uv.push_back({i % 2 ? 1.0f : 0.0f, i % 4 < 2 ? 1.0f : 0.0f});
-      corners[i] = i;
+      c[i] = i;
     }
   }
-  for (size_t i = 0; i < corners.size(); i += 4) {
-    const auto p = [&](size_t k) { return static_cast<uint32_t>(corners[i + k]); };
-    mesh.triangles.push_back({p(0), p(1), p(3)});
-    mesh.triangles.push_back({p(0), p(3), p(2)});
+  for (size_t i = 0; i < c.size(); i += 4) {
+    mesh.triangles.push_back({c[i], c[i + 1], c[i + 3]});
+    mesh.triangles.push_back({c[i], c[i + 3], c[i + 2]});
   }
-  return added(e, std::move(mesh), corners.size() / 4);
+  return added(e, std::move(mesh), c.size() / 4);
 }
 
 Geometry subdivided(const Entity& e) {
@@ -144,65 +123,53 @@ Geometry subdivided(const Entity& e) {
   return g;
 }
 
-// A mesh that several shapes may show.
-template <class Make>
-size_t shared(Context& context, const std::string& key, const Make& make) {
-  const auto it = context.meshes.find(key);
-  if (it != context.meshes.end()) return it->second;
-  context.scene.meshes.push_back(make());
-  return context.meshes[key] = context.scene.meshes.size() - 1;
-}
-
 Geometry mesh_of_file(const Entity& e) {
   const std::string file = e.text("filename");
   if (file.empty()) e.fail("the mesh names no file");
-  Source& source = e.context.source;
-  Geometry g;
-  const std::string name = file.substr(file.find_last_of("/\\") + 1);
-  g.name = name.substr(0, name.find('.'));
-  g.mesh = shared(e.context, file, [&] {
+  const size_t mesh = shared(e.context, file, [&] {
+    Source& source = e.context.source;
     const auto bytes = source.read_mesh(file, e.place);
     if (!bytes) return Mesh{};
     const std::string shown_name = source.shown_name(file);
-    Mesh mesh = read_ply(unpacked(*bytes, shown_name), shown_name);
-    flip_v(mesh);
-    mend_normals(mesh);
-    return mesh;
+    Mesh read = read_ply(unpacked(*bytes, shown_name), shown_name);
+    flip_v(read);
+    turn_to_normals(read);
+    return read;
   });
-  g.faces = e.context.scene.meshes[g.mesh].triangles.size();
-  if (!e.texture("displacement").empty()) e.lose("the displacement of meshes is left out");
-  e.ignore({"edgelength"});  // of the displacement
-  return g;
+  const std::string name = file.substr(file.find_last_of("/\\") + 1);
+  return {mesh,
+          {},
+          name.substr(0, name.find('.')),
+          true,
+          e.context.scene.meshes[mesh].triangles.size()};
 }
 
+// Spheres, disks and cylinders; none for other kinds.
 std::optional<Geometry> quadric(const Entity& e) {
-  Geometry g;
-  g.name = e.kind;
-  g.is_mesh = false;
-  const bool is_sphere = e.kind == "sphere", is_disk = e.kind == "disk";
-  if (!is_sphere && !is_disk && e.kind != "cylinder") {
-    e.lose("shapes of the kind \"{}\" are not read and left out", shown(e.kind));
-    e.ignore_all();
-    return {};
-  }
   const double r = e.number("radius", 1);
   if (!(r > 0)) e.fail("\"radius\" is not above 0");
-  bool is_part = false;
-  g.mesh = shared(e.context, "[" + e.kind + "]", is_sphere ? sphere : is_disk ? disc : cylinder);
-  if (is_sphere) {
-    is_part = e.number("zmin", -r) > -r || e.number("zmax", r) < r;
-    g.to_object = scaled_by(Vec3d(r));
-  } else if (is_disk) {
-    is_part = e.number("innerradius", 0) > 0;
-    g.to_object = translated({0, 0, e.number("height", 0)}) * scaled_by(Vec3d(r));
-  } else {
-    const double a = e.number("zmin", -1), b = e.number("zmax", 1), low = std::min(a, b),
-                 high = std::max(a, b);
+  Mesh (*make)() = nullptr;
+  Geometry g{0, {{r, 0, 0}, {0, r, 0}, {0, 0, r}, {}}, e.kind, false};
+  bool is_part = e.number("phimax", 360) < 360;
+  if (e.kind == "sphere") {
+    make = sphere;
+    is_part |= e.number("zmin", -r) > -r || e.number("zmax", r) < r;
+  } else if (e.kind == "disk") {
+    make = disc;
+    is_part |= e.number("innerradius", 0) > 0;
+    g.to_object.t.z = e.number("height", 0);
+  } else if (e.kind == "cylinder") {
+    make = cylinder;
+    const auto [low, high] = std::minmax({e.number("zmin", -1), e.number("zmax", 1)});
     if (!(high > low)) e.fail("a cylinder without height");
-    g.to_object = translated({0, 0, low}) * scaled_by({r, r, high - low});
+    g.to_object.z.z = high - low;
+    g.to_object.t.z = low;
+  } else {
+    e.lose("shapes of the kind \"{}\" are not read and left out", shown(e.kind));
+    return {};
   }
-  if (e.number("phimax", 360) < 360 || is_part)
-    e.lose("a \"{}\" of which parts are cut away becomes whole", e.kind);
+  if (is_part) e.lose("a \"{}\" of which parts are cut away becomes whole", e.kind);
+  g.mesh = shared(e.context, "[" + e.kind + "]", make);
   return g;
 }
 
@@ -212,20 +179,6 @@ std::optional<Geometry> geometry_of(const Entity& e) {
   if (e.kind == "loopsubdiv") return subdivided(e);
   if (e.kind == "plymesh") return mesh_of_file(e);
   return quadric(e);
-}
-
-// Surface of the mesh after the map.
-double area_of(const Mesh& mesh, const Affine& map) {
-  const auto corner = [&](uint32_t i) {
-    const Vec3f& p = mesh.positions[i];
-    return map.point({p.x, p.y, p.z});
-  };
-  double sum = 0;
-  for (const auto& t : mesh.triangles) {
-    const Vec3d a = corner(t[0]);
-    sum += length(cross(corner(t[1]) - a, corner(t[2]) - a)) / 2;
-  }
-  return sum;
 }
 
 // pbrt-v4 gives every triangle of a mesh the whole power.
@@ -267,18 +220,14 @@ size_t material_of(const Entity& e, const State& state) {
   const auto [it, is_new] = context.materials.try_emplace(key, context.scene.materials.size());
   if (!is_new) return it->second;
   if (attenuation) m.attenuation = *attenuation;
-  if (alpha && alpha->texture) {
-    if (m.opacity.texture) e.lose("of two opacities the shape's is kept");
-    const float under = m.opacity.texture ? 1 : m.opacity.factor;
-    m.opacity = *alpha;
-    if (!context.v4)  // only zero is transparent
-      m.opacity.curve = [curve = alpha->curve](float texel) {
-        return (curve ? curve(texel) : texel) > 0 ? 1.0f : 0.0f;
-      };
-    m.opacity.factor = (context.v4 ? alpha->factor : alpha->factor > 0 ? 1 : 0) * under;
-  } else if (alpha) {
-    const bool is_whole = !context.v4 && alpha->factor != 0;
-    m.opacity.factor *= is_whole ? 1 : std::clamp(alpha->factor, 0.0f, 1.0f);
+  if (alpha) {
+    const Number open = context.v4 ? *alpha : through(*alpha, [](float v) {
+      return v > 0 ? 1.0f : 0.0f;  // only zero is transparent
+    });
+    if (open.texture && m.opacity.texture) e.lose("of two opacities the shape's is kept");
+    const float under = open.texture && m.opacity.texture ? 1 : m.opacity.factor;
+    if (open.texture) m.opacity = open;
+    m.opacity.factor = under * (open.texture ? open.factor : std::clamp(open.factor, 0.0f, 1.0f));
   }
   context.scene.materials.push_back(std::move(m));
   return it->second;
@@ -289,14 +238,14 @@ size_t material_of(const Entity& e, const State& state) {
 std::optional<Shape> shape_of(const Entity& e, const State& state, bool in_object) {
   const std::optional<Geometry> geometry = geometry_of(e);
   if (!geometry || e.context.scene.meshes[geometry->mesh].triangles.empty()) {
-    e.ignore_all();
+    e.ignore();
     return {};
   }
   Shape shape;
   shape.name = geometry->name;
   shape.mesh = geometry->mesh;
   shape.to_world = state.to_world * geometry->to_object;
-  if (!is_bounded(shape.to_world)) e.fail("the transformation is too large");
+  require_finite(shape.to_world, e.place);
   const Surface& surface = e.context.surfaces[state.surface];
   surface.key.take();
   shape.material = material_of(e, state);
@@ -309,19 +258,17 @@ std::optional<Shape> shape_of(const Entity& e, const State& state, bool in_objec
     e.lose("the side from which a body of glass emits light is not kept");
     shape.emission->both_sides = true;
   }
-  if (e.number("shadowalpha", 1) == 0 || !e.texture("shadowalpha").empty())
-    e.lose("an alpha that counts for shadows alone is left out");
   return shape;
 }
 
 void add_medium(const Entity& e, const std::string& name) {
-  const Rgb scattered = e.spectrum("sigma_s", Use::index).value_or(Rgb(2.55f, 3.21f, 3.77f));
-  const Rgb absorbed = e.spectrum("sigma_a", Use::index).value_or(Rgb(.0011f, .0024f, .014f));
+  const Rgb scattered = e.spectrum("sigma_s", Role::index).value_or(Rgb(2.55f, 3.21f, 3.77f));
+  const Rgb absorbed = e.spectrum("sigma_a", Role::index).value_or(Rgb(.0011f, .0024f, .014f));
   const auto scale = static_cast<float>(e.number("scale", 1));
   const std::string kind = e.text("type"), preset = e.text("preset");
   std::optional<Rgb>& left = e.context.absorbing[name] = {};
-  if (kind != "homogeneous" || !preset.empty() || max_component(scattered) > 0 || e.find("Le"))
-    return e.ignore_all();  // lost where it is used
+  if (kind != "homogeneous" || !preset.empty() || max_component(scattered) > 0 || e.has("Le"))
+    return e.ignore();  // lost where it is used
   left = Rgb(std::exp(-absorbed.x * scale), std::exp(-absorbed.y * scale),
              std::exp(-absorbed.z * scale));
   e.ignore({"g"});  // nothing scatters

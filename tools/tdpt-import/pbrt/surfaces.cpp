@@ -67,14 +67,26 @@ Colour scaled(const Colour& c, float k) {
   return k == 1 ? c : through(c, [k](float v) { return share(v * k); });
 }
 
-void require_index(const Entity& e, double ior) {
+double index_above_0(const Entity& e, double ior) {
   if (!(ior > 0)) e.fail("the index of refraction is not above 0");
+  return ior;
+}
+
+double ior_v3(const Entity& e) {
+  const auto eta = e.varying("eta");
+  const Number n = eta ? *eta : e.varying("index", 1.5);
+  if (n.texture) lose(e, "the texture of the index of refraction becomes 1.5");
+  return index_above_0(e, n.texture ? 1.5 : n.factor);
+}
+
+double ior_v4(const Entity& e, const char* name = "eta") {
+  const double ior = e.index(name, 1.5);
+  return index_above_0(e, ior == 0 ? 1 : ior);
 }
 
 // A glossy lobe ks * Fresnel(ior) beside, not above, a Lambertian kd: of the light that enters, the
 // part kd / (1 - share reflected) must come out.
-Material lobes(const Entity& e, const Colour& kd, const Rgb& ks, double ior, const Number& a) {
-  require_index(e, ior);
+Material lobes(const Colour& kd, const Rgb& ks, double ior, const Number& a) {
   const float most = share(max_component(ks));
   if (most <= 0) return diffuse(kd);
   const double eta = ior < 1 ? 1 / ior : ior;
@@ -86,8 +98,7 @@ Material lobes(const Entity& e, const Colour& kd, const Rgb& ks, double ior, con
 }
 
 // A dielectric surface between bodies.
-Surface body(const Entity& e, double ior, const Colour& tint, const Number& a) {
-  require_index(e, ior);
+Surface body(double ior, const Colour& tint, const Number& a) {
   if (ior >= 1) return {glass(ior, tint, a, true)};
   return {glass(1 / ior, tint, a, true), true};
 }
@@ -96,7 +107,7 @@ Surface body(const Entity& e, double ior, const Colour& tint, const Number& a) {
 Surface metal_of(const Entity& e, const Number& a, const std::string& prefix = "") {
   const std::array<Rgb, 2> copper = *conductor_named("Cu");
   const auto value = [&](const char* name, const Rgb& absent) {
-    const Colour c = e.colour(prefix + name, absent, Use::index);
+    const Colour c = e.colour(prefix + name, absent, Role::index);
     if (c.texture) lose(e, "the texture of a metal's index becomes copper's");
     return c.texture ? absent : c.factor;
   };
@@ -105,25 +116,6 @@ Surface metal_of(const Entity& e, const Number& a, const std::string& prefix = "
 }
 
 // ---- pbrt-v3 ----
-
-Surface matte(const Entity& e) {
-  const Number sigma = e.varying("sigma", 0);
-  if (sigma.factor != 0 || sigma.texture)
-    lose(e, "the roughness \"sigma\" of the diffuse surface is left out");
-  return {diffuse(colour(e, "Kd", 0.5f))};
-}
-
-Surface plastic_v3(const Entity& e) {
-  const Colour kd = colour(e, "Kd", 0.25f);
-  return {lobes(e, kd, flat_colour(e, "Ks", 0.25f), 1.5, alpha(e, 0.1))};
-}
-
-double ior_v3(const Entity& e) {
-  const auto eta = e.varying("eta");
-  const Number n = eta ? *eta : e.varying("index", 1.5);
-  if (n.texture) lose(e, "the texture of the index of refraction becomes 1.5");
-  return n.texture ? 1.5 : n.factor;
-}
 
 Surface uber(const Entity& e) {
   const Number smooth{0.0f, {}, {}};
@@ -136,9 +128,9 @@ Surface uber(const Entity& e) {
   const bool is_smooth = max_component(kr) > max_component(ks);
   Surface s;
   if (is_black(kt.factor)) {
-    s.material = lobes(e, kd, is_smooth ? kr : ks, ior, is_smooth ? smooth : rough);
+    s.material = lobes(kd, is_smooth ? kr : ks, ior, is_smooth ? smooth : rough);
   } else {
-    s = body(e, ior, kt, is_smooth || is_black(ks) ? smooth : rough);
+    s = body(ior, kt, is_smooth || is_black(ks) ? smooth : rough);
     if (!is_black(kd.factor)) {
       lose(e, "diffuse reflection and transmission get one colour");
       const float d = luminance(kd.factor), t = luminance(kt.factor);
@@ -148,10 +140,10 @@ Surface uber(const Entity& e) {
   }
   const Colour opacity = colour(e, "opacity", 1);
   const Rgb o = opacity.factor;
-  Number& out = s.material.opacity;
   if (!opacity.texture && (o.x != o.y || o.y != o.z)) lose(e, "coloured opacity becomes its mean");
-  out = {opacity.texture ? o.x : share((o.x + o.y + o.z) / 3), opacity.texture, {}};
-  if (opacity.curve) out.curve = [curve = opacity.curve](float v) { return curve(Rgb(v)).x; };
+  s.material.opacity = {opacity.texture ? o.x : share((o.x + o.y + o.z) / 3), opacity.texture, {}};
+  if (opacity.curve)
+    s.material.opacity.curve = [curve = opacity.curve](float v) { return curve(Rgb(v)).x; };
   return s;
 }
 
@@ -172,16 +164,16 @@ Surface substrate(const Entity& e) {
 Surface translucent(const Entity& e) {
   Colour kd = colour(e, "Kd", 0.25f);
   const Rgb ks = flat_colour(e, "Ks", 0.25f), reflect = flat_colour(e, "reflect", 0.5f);
-  if (!is_black(flat_colour(e, "transmit", 0.5f)))
-    lose(e, "light that is scattered through the surface is left out");
+  lose(e, "light that is scattered through the surface is left out");
+  e.ignore({"transmit"});
   kd.factor = kd.factor * reflect;
-  return {lobes(e, kd, ks * reflect, 1.5, alpha(e, 0.1))};
+  return {lobes(kd, ks * reflect, 1.5, alpha(e, 0.1))};
 }
 
 Surface glass_v3(const Entity& e) {
   const Rgb kr = flat_colour(e, "Kr", 1);
   const Colour kt = colour(e, "Kt", 1);
-  Surface s = body(e, ior_v3(e), kt, alpha(e, 0));
+  Surface s = body(ior_v3(e), kt, alpha(e, 0));
   const float most = max_component(kr);
   if (kr.x != 1 || kr.y != 1 || kr.z != 1) {
     lose(e, "reflection of less than all that Fresnel's equations give also changes transmission");
@@ -216,83 +208,46 @@ Surface disney(const Entity& e) {
   const float tint = flat_number(e, "speculartint", 0), y = luminance(base.factor);
   if (tint > 0 && y > 0 && !base.texture)
     m.specular_colour = Rgb(1 - tint) + base.factor * (tint / y);
-  if (flat_number(e, "sheen", 0) > 0) lose(e, "sheen is left out");
-  if (flat_number(e, "anisotropic", 0) > 0) lose(e, "anisotropic roughness is left out");
-  if (!is_black(flat_colour(e, "scatterdistance", 0))) lose(e, "subsurface scattering is left out");
-  if (is_thin && flat_number(e, "difftrans", 1) > 0)
-    lose(e, "light that is scattered through the surface is left out");
-  if (is_thin && flat_number(e, "flatness", 0) > 0)
-    lose(e, "the flatness of thin surfaces is left out");
-  e.ignore({"sheentint", "flatness", "difftrans"});  // of sheen and of thin surfaces alone
+  e.ignore({"sheentint"});  // of sheen alone
   return {m};
-}
-
-Surface mirror_v3(const Entity& e) {
-  return {mirror(colour(e, "Kr", 0.9f))};
-}
-Surface metal_v3(const Entity& e) {
-  return metal_of(e, alpha(e, 0.01));
 }
 
 // ---- pbrt-v4 ----
 
-Surface diffuse_v4(const Entity& e) {
-  return {diffuse(colour(e, "reflectance", 0.5f))};
-}
-
-double ior_v4(const Entity& e, const char* name) {
-  const double ior = e.index(name, 1.5);
-  return ior == 0 ? 1 : ior;
-}
-
-void lose_in_coat(const Entity& e) {
-  if (!is_black(flat_colour(e, "albedo", 0))) lose(e, "scattering in the coat is left out");
-  if (e.integer("maxdepth", 10) < 10) lose(e, "light of many bounces in the coat is kept");
-  e.ignore({"nsamples", "g"});  // how it is sampled and scatters
-}
-
 Surface coateddiffuse(const Entity& e) {
   const float thickness = flat_number(e, "thickness", 0.01);
-  lose_in_coat(e);
-  const double ior = ior_v4(e, "eta");
-  require_index(e, ior);
-  return {plastic_under_layer(colour(e, "reflectance", 0.5f), ior, alpha(e, 0),
+  e.ignore({"maxdepth", "nsamples", "g"});  // how it is sampled; of scattering, its albedo's
+  return {plastic_under_layer(colour(e, "reflectance", 0.5f), ior_v4(e), alpha(e, 0),
                               std::clamp(thickness, 0.0f, 100.0f))};
 }
 
-Surface conductor_v4(const Entity& e) {
-  const Number a = alpha(e, 0);
-  return e.find("reflectance") ? Surface{metal(colour(e, "reflectance", 0.5f), a)} : metal_of(e, a);
+Surface conductor_of(const Entity& e, const std::string& prefix = "") {
+  const Number a = alpha(e, 0, prefix);
+  return e.has("reflectance") ? Surface{metal(colour(e, "reflectance", 0.5f), a)}
+                              : metal_of(e, a, prefix);
 }
 
 Surface coatedconductor(const Entity& e) {
-  const Number a = alpha(e, 0, "conductor."), coat = alpha(e, 0, "interface.");
-  Surface s = e.find("reflectance") ? Surface{metal(colour(e, "reflectance", 0.5f), a)}
-                                    : metal_of(e, a, "conductor.");
+  Surface s = conductor_of(e, "conductor.");
+  const Number coat = alpha(e, 0, "interface.");
   s.material.coat = 1;
   s.material.coat_roughness = std::sqrt(coat.texture ? 0.5f : coat.factor);
-  if (std::abs(ior_v4(e, "interface.eta") - 1.5) > 0.01)
-    lose(e, "the coat's index of refraction becomes 1.5");
-  if (flat_number(e, "thickness", 0.01) > 0.01f) lose(e, "absorption in the coat is left out");
-  lose_in_coat(e);
-  lose(e, "the metal's reflectance below the coat becomes that in air");
+  lose(e,
+       "its coat has an index of refraction of 1.5, absorbs nothing and leaves the metal as it "
+       "is in air");
+  e.ignore({"albedo", "g", "interface.eta", "maxdepth", "nsamples", "thickness"});
   return s;
 }
 
-Surface dielectric(const Entity& e) {
-  return body(e, ior_v4(e, "eta"), {}, alpha(e, 0));
-}
-
 Surface thindielectric(const Entity& e) {
-  const double ior = ior_v4(e, "eta");
-  require_index(e, ior);
+  const double ior = ior_v4(e);
   return {glass(ior < 1 ? 1 / ior : ior, {}, {0.0f, {}, {}}, false)};
 }
 
 Surface diffusetransmission(const Entity& e) {
-  const float scale = static_cast<float>(e.number("scale", 1));
-  colour(e, "transmittance", 0.25f);
   lose(e, "light that is scattered through the surface is left out");
+  e.ignore({"transmittance"});
+  const float scale = static_cast<float>(e.number("scale", 1));
   return {diffuse(scaled(colour(e, "reflectance", 0.25f), scale))};
 }
 
@@ -316,26 +271,21 @@ Material blend(const Material& a, const Material& b, float t) {
 }
 
 Surface mix(const Entity& e) {
-  Context& context = e.context;
-  std::vector<std::string> names;
-  if (context.v4) {
-    const Parameter* both = e.find("materials", {"string"});
-    if (!both || both->strings.size() != 2) e.fail("a mixture must name two materials");
-    names = both->strings;
-  } else {
-    names = {e.text("namedmaterial1"), e.text("namedmaterial2")};
-  }
+  std::vector<std::string> names{e.text("namedmaterial1"), e.text("namedmaterial2")};
+  if (const Parameter* both = e.find("materials", {"string"})) names = both->strings;
+  if (names.size() != 2) e.fail("a mixture must name two materials");
   std::array<Surface, 2> both;
   for (size_t i = 0; i < 2; ++i) {
-    const auto it = context.named_surfaces.find(names[i]);
-    if (it == context.named_surfaces.end()) e.fail("no material is named \"{}\"", shown(names[i]));
-    both[i] = context.surfaces[it->second];
+    const auto it = e.context.named_surfaces.find(names[i]);
+    if (it == e.context.named_surfaces.end())
+      e.fail("no material is named \"{}\"", shown(names[i]));
+    both[i] = e.context.surfaces[it->second];
     both[i].key.take();
   }
   // The share of the second; pbrt-v3's amount is that of the first and may be coloured.
-  const Rgb first = context.v4 ? Rgb() : flat_colour(e, "amount", 0.5f);
+  const Rgb first = e.context.v4 ? Rgb() : flat_colour(e, "amount", 0.5f);
   const float amount =
-      share(context.v4 ? flat_number(e, "amount", 0.5) : 1 - (first.x + first.y + first.z) / 3);
+      share(e.context.v4 ? flat_number(e, "amount", 0.5) : 1 - (first.x + first.y + first.z) / 3);
   if (amount == 0) return both[0];
   if (amount == 1) return both[1];
   for (size_t i = 0; i < 2; ++i)
@@ -344,19 +294,9 @@ Surface mix(const Entity& e) {
       return both[1 - i];
     }
   lose(e, "two materials become one of their mean values");
-  Surface s = amount > 0.5f ? both[1] : both[0];
+  Surface s = both[amount > 0.5f];
   s.material = blend(both[0].material, both[1].material, amount);
   return s;
-}
-
-// Diffuse reflectance of a medium with this albedo behind an interface: Jensen et al. 2001 [eq.
-// 15].
-float albedo_seen(float absorbed, float scattered, double ior) {
-  const float albedo = scattered / std::max(absorbed + scattered, 1e-9f);
-  const float inside = static_cast<float>(diffuse_fresnel(1 / ior));
-  const float a = (1 + inside) / std::max(1 - inside, 1e-3f);
-  const float x = std::sqrt(3 * (1 - albedo));
-  return 0.5f * albedo * (1 + std::exp(-4.0f / 3 * a * x)) * std::exp(-x);
 }
 
 Surface subsurface(const Entity& e) {
@@ -365,39 +305,23 @@ Surface subsurface(const Entity& e) {
   double ior = flat_number(e, "eta", e.context.v4 || !is_kd ? 1.33 : 1.3);
   if (!(ior > 0.01 && ior < 100)) ior = 1.33;
   const Number a = alpha(e, 0);
-  const char* direct = is_kd ? "Kd" : "reflectance";
-  Colour base{Rgb(0.8f), {}, {}};
-  if (e.find(direct) || is_kd) {
-    base = colour(e, direct, 0.5f);
-  } else if (e.text("name").empty()) {
-    const Rgb s = e.colour("sigma_s", {2.55f, 3.21f, 3.77f}).factor;
-    const Rgb k = e.colour("sigma_a", {.0011f, .0024f, .014f}).factor;
-    base.factor = {albedo_seen(k.x, s.x, ior), albedo_seen(k.y, s.y, ior),
-                   albedo_seen(k.z, s.z, ior)};
-  } else {
-    lose(e, "a preset of subsurface scattering becomes a grey of 0.8");
-  }
-  e.ignore({"mfp", "g", "scale"});  // of the scattering
+  const Colour base = is_kd ? colour(e, "Kd", 0.5f) : colour(e, "reflectance", 0.8f);
+  e.ignore();  // of the scattering
   return {plastic(base, ior, a, false)};
-}
-
-Surface hair(const Entity& e) {
-  lose(e, "hair becomes diffuse");
-  const Colour base = colour(e, e.find("reflectance") ? "reflectance" : "color", 0.2f);
-  e.ignore_all();
-  return {diffuse(base)};
-}
-
-Surface measured(const Entity& e) {
-  lose(e, "a measured surface becomes a grey diffuse one");
-  e.ignore_all();
-  return {diffuse({Rgb(0.5f), {}, {}})};
 }
 
 Surface invisible(const Entity&) {
   Surface s;
   s.material.invisible = true;
   return s;
+}
+
+// What glTF has nothing like: hair, measured surfaces.
+Surface unknown(const Entity& e) {
+  e.lose("the material \"{}\" becomes diffuse", shown(e.kind));
+  const Colour base = colour(e, e.has("reflectance") ? "reflectance" : "color", 0.5f);
+  e.ignore();
+  return {diffuse(base)};
 }
 
 struct SurfaceKind {
@@ -408,23 +332,24 @@ constexpr SurfaceKind kKinds[] = {
     {"", invisible},
     {"coatedconductor", coatedconductor},
     {"coateddiffuse", coateddiffuse},
-    {"conductor", conductor_v4},
-    {"dielectric", dielectric},
-    {"diffuse", diffuse_v4},
+    {"conductor", [](const Entity& e) { return conductor_of(e); }},
+    {"dielectric", [](const Entity& e) { return body(ior_v4(e), {}, alpha(e, 0)); }},
+    {"diffuse", [](const Entity& e) { return Surface{diffuse(colour(e, "reflectance", 0.5f))}; }},
     {"diffusetransmission", diffusetransmission},
     {"disney", disney},
-    {"fourier", measured},
     {"glass", glass_v3},
-    {"hair", hair},
     {"interface", invisible},
     {"kdsubsurface", subsurface},
-    {"matte", matte},
-    {"measured", measured},
-    {"metal", metal_v3},
-    {"mirror", mirror_v3},
+    {"matte", [](const Entity& e) { return Surface{diffuse(colour(e, "Kd", 0.5f))}; }},
+    {"metal", [](const Entity& e) { return metal_of(e, alpha(e, 0.01)); }},
+    {"mirror", [](const Entity& e) { return Surface{mirror(colour(e, "Kr", 0.9f))}; }},
     {"mix", mix},
     {"none", invisible},
-    {"plastic", plastic_v3},
+    {"plastic",
+     [](const Entity& e) {
+       return Surface{
+           lobes(colour(e, "Kd", 0.25f), flat_colour(e, "Ks", 0.25f), 1.5, alpha(e, 0.1))};
+     }},
     {"substrate", substrate},
     {"subsurface", subsurface},
     {"thindielectric", thindielectric},
@@ -451,15 +376,12 @@ void read_bumps(const Entity& e, Material& m) {
 Surface surface_of(const Entity& e) {
   const auto* known = std::find_if(std::begin(kKinds), std::end(kKinds),
                                    [&](const SurfaceKind& k) { return k.name == e.kind; });
-  Surface s;
-  if (known != std::end(kKinds)) {
-    s = known->read(e);
-  } else {
-    e.lose("the material \"{}\" is not known and becomes grey", shown(e.kind));
-    e.ignore_all();
-    s.material = diffuse({Rgb(0.5f), {}, {}});
-  }
+  Surface s = known == std::end(kKinds) ? unknown(e) : known->read(e);
   read_bumps(e, s.material);
+  for (const Parameter& p : e.all)  // such as sheen: nothing is lost of nothing
+    if (!p.numbers.empty() &&
+        std::count(p.numbers.begin(), p.numbers.end(), 0) == std::ssize(p.numbers))
+      p.key.take();
   s.key = e.key;
   return s;
 }

@@ -1,291 +1,167 @@
-// Words of pbrt's scene files, across the files that they include, and the parameter lists that
-// they make.
-#include <zlib.h>
-
+// Words of pbrt's scene files and the parameter lists that they make.
 #include <algorithm>
-#include <charconv>
 #include <cmath>
-#include <filesystem>
-#include <limits>
 
-#include "libcommon/base/error.h"
 #include "libcommon/base/words.h"
+#include "tools/tdpt-import/meshes/meshes.h"
 #include "tools/tdpt-import/pbrt/pbrt.h"
 
 namespace tdpt::foreign::pbrt {
 
 std::string unpacked(std::string bytes, const std::string& name) {
-  constexpr size_t kMost = size_t{1} << 30, kStep = size_t{1} << 16;
-  constexpr int kGzip = 16 + MAX_WBITS;
-  if (!bytes.starts_with("\x1f\x8b")) return bytes;
-  if (bytes.size() > std::numeric_limits<uInt>::max())
-    throw InputError(name, "", "more than 4 GiB of compressed bytes");
-  z_stream stream{};
-  if (inflateInit2(&stream, kGzip) != Z_OK) throw std::bad_alloc();
-  const std::unique_ptr<z_stream, int (*)(z_stream*)> end(&stream, inflateEnd);
-  stream.next_in = reinterpret_cast<Bytef*>(bytes.data());
-  stream.avail_in = static_cast<uInt>(bytes.size());
-  std::string out;
-  int status = Z_OK;
-  while (status == Z_OK) {
-    if (out.size() >= kMost) throw InputError(name, "", "more than 1 GiB when inflated");
-    const size_t before = out.size();
-    out.resize(before + kStep);
-    stream.next_out = reinterpret_cast<Bytef*>(out.data() + before);
-    stream.avail_out = static_cast<uInt>(kStep);
-    status = inflate(&stream, Z_NO_FLUSH);
-    out.resize(out.size() - stream.avail_out);
-  }
-  if (status == Z_MEM_ERROR) throw std::bad_alloc();
-  if (status != Z_STREAM_END) throw InputError(name, "", "the compressed bytes are broken");
-  return out;
+  return bytes.starts_with("\x1f\x8b") ? inflated(bytes, name, "") : std::move(bytes);
 }
 
 // ---- Words ----
 
-Tokens::Tokens(std::string_view text, std::string shown_name) {
-  open_.push_back(std::make_unique<File>());
-  open_.back()->shown = std::move(shown_name);
-  open_.back()->text = text;
+Token Tokens::next() {
+  last_line_ = ahead_line_;
+  return std::exchange(ahead_, scanned());
 }
 
-std::optional<Token> Tokens::next() {
-  using Kind = Token::Kind;
+Token Tokens::scanned() {
+  using enum Token::Kind;
   constexpr std::string_view kSpaces = " \t\n\r", kEndOfWord = " \t\n\r\"[]#";
-  if (again_) return std::exchange(again_, std::nullopt);
-  while (!open_.empty()) {
-    File& f = *open_.back();
-    while (f.at < f.text.size()) {
-      const char c = f.text[f.at];
-      if (c == '#') {
-        f.at = std::min(f.text.find('\n', f.at), f.text.size());
-        continue;
-      }
-      if (c == '\n') ++f.line;
-      if (kSpaces.find(c) != kSpaces.npos) {
-        ++f.at;
-        continue;
-      }
-      last_ = {f.shown, "line " + std::to_string(f.line)};
-      if (c == '"') {
-        ++f.at;
-        return Token{Kind::quoted, quoted(f)};
-      }
-      const size_t from = f.at;
-      f.at = c == '[' || c == ']' ? from + 1
-                                  : std::min(f.text.find_first_of(kEndOfWord, from), f.text.size());
-      return Token{c == '['   ? Kind::open
-                   : c == ']' ? Kind::close
-                              : Kind::word,
-                   std::string(f.text.substr(from, f.at - from))};
+  while (at_ < text_.size()) {
+    if (text_[at_] == '#') {
+      at_ = std::min(text_.find('\n', at_), text_.size());
+    } else if (kSpaces.find(text_[at_]) != kSpaces.npos) {
+      line_ += text_[at_++] == '\n';
+    } else {
+      break;
     }
-    if (open_.size() == 1) return {};
-    open_.pop_back();
   }
-  return {};
+  ahead_line_ = line_;
+  if (at_ == text_.size()) return {end, "end of the file"};
+  const size_t from = at_++;
+  const char c = text_[from];
+  if (c == '"') return {quoted, rest_of_string()};
+  if (c != '[' && c != ']') at_ = std::min(text_.find_first_of(kEndOfWord, at_), text_.size());
+  return {c == '[' ? open : c == ']' ? close : word, std::string(text_.substr(from, at_ - from))};
 }
 
-std::string Tokens::quoted(File& f) {
+std::string Tokens::rest_of_string() {
   constexpr std::string_view kEscapes = "bfnrt", kMeant = "\b\f\n\r\t";
   std::string out;
-  while (f.at < f.text.size()) {
-    char c = f.text[f.at++];
-    if (c == '"') return out;
-    if (c == '\n') break;
-    if (c == '\\') {
-      if (f.at == f.text.size() || f.text[f.at] == '\n') break;
-      c = f.text[f.at++];
-      if (const size_t i = kEscapes.find(c); i != kEscapes.npos) c = kMeant[i];
-    }
-    out += c;
+  for (bool is_escaped = false; at_ < text_.size() && text_[at_] != '\n'; ++at_) {
+    const char c = text_[at_];
+    if (c == '"' && !is_escaped) return ++at_, out;
+    const size_t escape = is_escaped ? kEscapes.find(c) : kEscapes.npos;
+    is_escaped = c == '\\' && !is_escaped;
+    if (!is_escaped) out += escape == kEscapes.npos ? c : kMeant[escape];
   }
-  Source::fail(last_, "a string does not end on its line");
+  last_line_ = line_;
+  fail("a string does not end on its line");
 }
 
-void Tokens::include(Source& source, const std::string& given) {
-  constexpr size_t kDeepest = 16;  // the scene itself and 15 included files
-  constexpr size_t kMostFiles = 10000,
-                   kMostBytes = size_t{1} << 33;  // files that repeat count again
-  const Place place = last_;
-  auto file = std::make_unique<File>();
-  file->name = std::filesystem::path(given).lexically_normal().string();
-  file->shown = source.shown_name(file->name);
-  for (const auto& other : open_)
-    if (other->name == file->name || other->shown == file->shown)
-      Source::fail(place, "\"" + shown(file->name) + "\" includes itself");
-  if (open_.size() >= kDeepest) Source::fail(place, "more than 15 files include each other");
-  file->bytes = unpacked(source.read(file->name, place), file->shown);
-  file->text = file->bytes;
-  bytes_ += file->bytes.size();
-  if (++files_ > kMostFiles || bytes_ > kMostBytes)
-    Source::fail(place, "more files are included than 10000, or more than 8 GiB");
-  open_.push_back(std::move(file));
-}
-
-double number_of(const Token& token, const Place& place) {
-  const std::string& t = token.text;
-  const char *from = t.data() + (t.size() > 1 && t[0] == '+' ? 1 : 0), *to = t.data() + t.size();
-  double value = 0;
-  const auto [end, error] = std::from_chars(from, to, value);
-  const size_t exponent = t.find_first_of("eE");
-  const bool is_tiny = error == std::errc::result_out_of_range && exponent != std::string::npos &&
-                       t[exponent + 1] == '-';
-  if (token.kind != Token::Kind::word || end != to || (error != std::errc() && !is_tiny) ||
-      !std::isfinite(value))
-    Source::fail(place, fmt::format("\"{}\" is not a number", shown(t)));
-  return is_tiny ? 0 : value;
+double Tokens::number_of(const Token& token) const {
+  const auto number = token.kind == Token::Kind::word ? number_in(token.text) : std::nullopt;
+  if (!number || !std::isfinite(*number)) fail("\"{}\" is not a number", shown(token.text));
+  return *number;
 }
 
 // ---- Parameter lists ----
 
 namespace {
 
-// Type and name of "type name".
-Parameter declared(const std::string& words, const Place& place) {
-  const char* spaces = " \t";
-  const size_t type = words.find_first_not_of(spaces);
-  const size_t type_end = words.find_first_of(spaces, type);
-  const size_t name = words.find_first_not_of(spaces, type_end);
-  if (type == std::string::npos || type_end == std::string::npos || name == std::string::npos)
-    Source::fail(place, fmt::format("\"{}\" is not a parameter's type and name", shown(words)));
-  Parameter p;
-  p.type = words.substr(type, type_end - type);
-  p.name = words.substr(name, words.find_first_of(spaces, name) - name);
-  p.place = place;
-  return p;
-}
-
-void add_value(Parameter& p, Token&& token, const Place& place) {
-  const bool is_quoted = token.kind == Token::Kind::quoted,
-             is_flag = token.text == "true" || token.text == "false";
-  if (is_quoted && p.type == "bool" && !is_flag)
-    Source::fail(place, fmt::format("\"{}\" is neither true nor false", shown(token.text)));
-  if (is_flag && (!is_quoted || p.type == "bool"))  // pbrt-v3 quotes them
-    p.flags.push_back(token.text == "true");
-  else if (is_quoted)
-    p.strings.push_back(std::move(token.text));
-  else
-    p.numbers.push_back(number_of(token, place));
-  if (!p.numbers.empty() + !p.strings.empty() + !p.flags.empty() > 1)
-    Source::fail(place, fmt::format("values of different kinds in \"{}\"", shown(p.name)));
-}
-
 bool is_one_of(const std::string& type, std::initializer_list<const char*> types) {
   return std::find(types.begin(), types.end(), type) != types.end();
 }
 
-// The values of a parameter that must have `count` of them; null: there is no such parameter.
-template <class Value>
-const Value* values_of(const Entity& e, const std::string& name,
-                       std::initializer_list<const char*> types,
-                       std::vector<Value> Parameter::*values, const char* what, size_t count = 1) {
-  const Parameter* p = e.find(name, types);
-  if (!p) return nullptr;
-  if (std::max({p->numbers.size(), p->strings.size(), p->flags.size()}) != count)
-    Source::fail(p->place, fmt::format("\"{}\" must have {}", shown(name),
-                                       count == 1 ? "one value" : fmt::format("{} values", count)));
-  if ((p->*values).empty())
-    Source::fail(p->place, fmt::format("\"{}\" must be {}", shown(name), what));
-  return (p->*values).data();
+// Takes a value from the tokens.
+void add_value(Parameter& p, Tokens& tokens) {
+  Token token = tokens.next();
+  const bool is_quoted = token.kind == Token::Kind::quoted;
+  if ((token.text == "true" || token.text == "false") && (!is_quoted || p.type == "bool"))
+    p.numbers.push_back(token.text == "true");  // pbrt-v3 quotes them
+  else if (is_quoted)
+    p.strings.push_back(std::move(token.text));
+  else
+    p.numbers.push_back(tokens.number_of(token));
+  if (!p.numbers.empty() && !p.strings.empty())
+    tokens.fail("values of different kinds in \"{}\"", shown(p.name));
 }
 
 }  // namespace
 
-void Entity::read(Tokens& tokens, const std::string& whose) {
+void Entity::read(Tokens& tokens, const std::string& owner) {
   using enum Token::Kind;
-  while (std::optional<Token> token = tokens.next()) {
-    if (token->kind != quoted) return tokens.back(std::move(*token));
-    Parameter p = declared(token->text, tokens.place());
-    std::optional<Token> value = tokens.next();
-    const bool in_brackets = value && value->kind == open;
-    if (in_brackets) value = tokens.next();
-    while (value && value->kind != close) {
-      if (value->kind == open) Source::fail(tokens.place(), "a '[' within a list of values");
-      add_value(p, std::move(*value), tokens.place());
-      if (!in_brackets) break;
-      value = tokens.next();
+  while (tokens.peek().kind == quoted) {
+    const std::string declaration = tokens.next().text;
+    const auto words = words_of(declaration);
+    if (words.size() < 2)
+      tokens.fail("\"{}\" is not a parameter's type and name", shown(declaration));
+    Parameter p{std::string(words[0]), std::string(words[1]), tokens.place()};
+    if (tokens.peek().kind == open) {
+      tokens.next();
+      while (tokens.peek().kind != close) add_value(p, tokens);
+      tokens.next();
+    } else {
+      add_value(p, tokens);
     }
-    if (!value) Source::fail(p.place, fmt::format("no end of the values of \"{}\"", shown(p.name)));
-    if (!in_brackets && value->kind == close) Source::fail(tokens.place(), "a ']' without its '['");
     p.key = context.source.enter(
         key, p.place,
-        fmt::format("\"{} {}\" of {} is not read", shown(p.type), shown(p.name), whose));
+        fmt::format("\"{} {}\" of {} is not read", shown(p.type), shown(p.name), owner));
     all.push_back(std::move(p));
   }
-}
-
-void Entity::defaults(const std::vector<Parameter>& of_attribute) {
-  own_ = all.size();
-  all.insert(all.end(), of_attribute.rbegin(), of_attribute.rend());
 }
 
 const Parameter* Entity::find(const std::string& name,
                               std::initializer_list<const char*> types) const {
   const Parameter* first = nullptr;
-  for (size_t i = 0; i < all.size(); ++i)
-    if (const Parameter& p = all[i]; p.name == name && is_one_of(p.type, types)) {
-      if (!first || i >= own_) p.key.take();  // also of defaults that are overridden
+  for (const Parameter& p : all)
+    if (p.name == name && is_one_of(p.type, types)) {
+      p.key.take();  // also of those that are overridden
       if (!first) first = &p;
     }
   return first;
 }
 
-const Parameter* Entity::find(const std::string& name) const {
-  const auto p =
-      std::find_if(all.begin(), all.end(), [&](const Parameter& a) { return a.name == name; });
-  return p == all.end() ? nullptr : &*p;
+bool Entity::has(const std::string& name) const {
+  return std::any_of(all.begin(), all.end(), [&](const Parameter& p) { return p.name == name; });
+}
+
+const double* Entity::numbers(const std::string& name, std::initializer_list<const char*> types,
+                              size_t count) const {
+  const Parameter* p = find(name, types);
+  if (p && p->numbers.size() != count)
+    Source::fail(p->place,
+                 fmt::format("\"{}\" must have {}", shown(name), counted(count, "number")));
+  return p ? p->numbers.data() : nullptr;
 }
 
 double Entity::number(const std::string& name, double absent) const {
-  const double* v = values_of(*this, name, {"float"}, &Parameter::numbers, "a number");
+  const double* v = numbers(name, {"float"}, 1);
   return v ? *v : absent;
 }
 
 int Entity::integer(const std::string& name, int absent) const {
-  const char* what = "a number below 2e9";
-  const double* v = values_of(*this, name, {"integer"}, &Parameter::numbers, what);
-  if (v && std::abs(*v) > 2e9)
-    Source::fail(find(name, {"integer"})->place, fmt::format("\"{}\" must be {}", name, what));
-  return v ? static_cast<int>(*v) : absent;
+  const double* v = numbers(name, {"integer"}, 1);
+  return v ? static_cast<int>(std::clamp(*v, -2e9, 2e9)) : absent;
 }
 
 bool Entity::flag(const std::string& name, bool absent) const {
-  const char* v = values_of(*this, name, {"bool"}, &Parameter::flags, "true or false");
-  return v ? *v : absent;
+  const double* v = numbers(name, {"bool"}, 1);
+  return v ? *v != 0 : absent;
 }
 
-std::string Entity::text(const std::string& name, const std::string& absent) const {
-  const std::string* v = values_of(*this, name, {"string"}, &Parameter::strings, "a string");
-  return v ? *v : absent;
-}
-
-std::string Entity::texture(const std::string& name) const {
-  const std::string* v =
-      values_of(*this, name, {"texture"}, &Parameter::strings, "the name of a texture");
-  return v ? *v : "";
+std::string Entity::text(const std::string& name, const std::string& absent,
+                         const char* type) const {
+  const Parameter* p = find(name, {type});
+  if (p && p->strings.size() != 1)
+    Source::fail(p->place, fmt::format("\"{}\" must have one string", shown(name)));
+  return p ? p->strings[0] : absent;
 }
 
 Vec3d Entity::point(const std::string& name, const Vec3d& absent) const {
-  const double* v = values_of(*this, name, {"point", "point3", "vector", "vector3"},
-                              &Parameter::numbers, "three numbers", 3);
+  const double* v = numbers(name, {"point", "point3", "vector", "vector3"}, 3);
   return v ? Vec3d(v[0], v[1], v[2]) : absent;
 }
 
-const std::vector<double>* Entity::floats(const std::string& name) const {
-  const Parameter* p = find(name, {"float"});
-  return p ? &p->numbers : nullptr;
-}
-
-const std::vector<double>* Entity::integers(const std::string& name) const {
-  const Parameter* p = find(name, {"integer"});
-  return p ? &p->numbers : nullptr;
-}
-
-const std::vector<double>* Entity::tuples(const std::string& name, size_t size) const {
-  // pbrt-v3 also takes plain numbers for texture coordinates.
-  const Parameter* p =
-      size == 2 ? find(name, {"point2", "vector2", "float"})
-                : find(name, {"point", "point3", "vector", "vector3", "normal", "normal3"});
+const std::vector<double>* Entity::list(const std::string& name,
+                                        std::initializer_list<const char*> types,
+                                        size_t size) const {
+  const Parameter* p = find(name, types);
   if (p && p->numbers.size() % size)
     Source::fail(p->place, fmt::format("the {} numbers of \"{}\" are not a multiple of {}",
                                        p->numbers.size(), shown(name), size));
@@ -294,11 +170,7 @@ const std::vector<double>* Entity::tuples(const std::string& name, size_t size) 
 
 void Entity::ignore(std::initializer_list<const char*> names) const {
   for (const Parameter& p : all)
-    if (is_one_of(p.name, names)) p.key.take();
-}
-
-void Entity::ignore_all() const {
-  for (const Parameter& p : all) p.key.take();
+    if (names.size() == 0 || is_one_of(p.name, names)) p.key.take();
 }
 
 }  // namespace tdpt::foreign::pbrt

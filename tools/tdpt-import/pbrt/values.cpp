@@ -15,10 +15,8 @@
 namespace tdpt::foreign::pbrt {
 
 size_t Context::image(const std::string& name, const Place& place) {
-  const auto [it, is_new] = images_.try_emplace(name, scene.images.size());
-  if (is_new) {
-    scene.images.push_back({name, source.read_picture(name, place)});
-  }
+  const auto [it, is_new] = images.try_emplace(name, scene.images.size());
+  if (is_new) scene.images.push_back({name, source.read_picture(name, place)});
   return it->second;
 }
 
@@ -26,64 +24,24 @@ Texels Context::texels(size_t image) const {
   return decode(scene.images[image].bytes, source.shown_name(scene.images[image].name));
 }
 
-bool Context::has_alpha(size_t image) {
-  const auto [it, is_new] = has_alpha_.try_emplace(image, false);
-  if (is_new) {
-    const std::vector<float> alpha = texels(image).alpha;
-    it->second = std::any_of(alpha.begin(), alpha.end(), [](float a) { return a < 1; });
-  }
-  return it->second;
-}
-
 // ---- Transformations ----
 
-bool is_bounded(const Affine& a) {
-  return is_finite(a.x) && is_finite(a.y) && is_finite(a.z) && is_finite(a.t);
+void require_finite(const Affine& a, const Place& place) {
+  for (const Vec3d& column : {a.x, a.y, a.z, a.t})
+    if (!is_finite(column)) Source::fail(place, "the transformation is too large");
 }
 
 Affine inverse(const Affine& a, const Place& place) {
   // Columns are scaled to keep the products in range.
   const double sx = length(a.x), sy = length(a.y), sz = length(a.z);
-  if (!(sx > 0 && sy > 0 && sz > 0)) Source::fail(place, "the transformation flattens space");
   const Vec3d x = a.x / sx, y = a.y / sy, z = a.z / sz;
   const double det = dot(cross(x, y), z);
   if (!(std::abs(det) > 1e-12)) Source::fail(place, "the transformation flattens space");
-  const Vec3d rx = cross(y, z) / (det * sx), ry = cross(z, x) / (det * sy),
-              rz = cross(x, y) / (det * sz);
-  Affine b{{rx.x, ry.x, rz.x}, {rx.y, ry.y, rz.y}, {rx.z, ry.z, rz.z}, {}};
+  Affine b{cross(y, z) / (det * sx), cross(z, x) / (det * sy), cross(x, y) / (det * sz), {}};
+  b = b.transposed();
   b.t = b.vector(a.t) * -1.0;
-  if (!is_bounded(b)) Source::fail(place, "the transformation flattens space");
+  require_finite(b, place);
   return b;
-}
-
-Affine translated(const Vec3d& by) {
-  return {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, by};
-}
-
-Affine scaled_by(const Vec3d& by) {
-  return {{by.x, 0, 0}, {0, by.y, 0}, {0, 0, by.z}, {}};
-}
-
-Affine rotated(double degrees, const Vec3d& axis) {
-  const double l = length(axis), half = degrees * std::numbers::pi / 360;
-  if (!(l > 0)) return {};
-  const double s = std::sin(half) / l;
-  return affine_of({}, {axis.x * s, axis.y * s, axis.z * s, std::cos(half)}, Vec3d(1)).value();
-}
-
-Affine looking(const Vec3d& from, const Vec3d& at, const Vec3d& up, const Place& place) {
-  const Vec3d along = at - from, side = cross(up, along);
-  if (!(length(side) > 1e-12 * length(up) * length(along)))
-    Source::fail(place, "the direction of view is zero or parallel to \"up\"");
-  const Vec3d z = normalize(along), x = normalize(side);
-  return inverse({x, cross(z, x), z, from}, place);
-}
-
-Affine affine_of_matrix(std::span<const double> m, const Place& place) {
-  if (m[3] != 0 || m[7] != 0 || m[11] != 0 || m[15] == 0)
-    Source::fail(place, "a transformation with perspective");
-  const auto column = [&](size_t i) { return Vec3d(m[i], m[i + 1], m[i + 2]) / m[15]; };
-  return {column(0), column(4), column(8), column(12)};
 }
 
 Vec3f vec_at(const std::vector<double>& numbers, size_t i) {
@@ -97,16 +55,6 @@ namespace {
 
 using Samples = std::vector<std::array<double, 2>>;
 
-struct Illuminant {
-  const char* name;
-  double kelvin;  ///< correlated colour temperature
-};
-constexpr Illuminant kIlluminants[] = {
-    {"stdillum-A", 2856},   {"stdillum-D50", 5003}, {"stdillum-F1", 6430},  {"stdillum-F2", 4230},
-    {"stdillum-F3", 3450},  {"stdillum-F4", 2940},  {"stdillum-F5", 6350},  {"stdillum-F6", 4150},
-    {"stdillum-F7", 6500},  {"stdillum-F8", 5000},  {"stdillum-F9", 4150},  {"stdillum-F10", 5000},
-    {"stdillum-F11", 4000}, {"stdillum-F12", 3000}, {"illum-acesD60", 6000}};
-
 Rgb with_luminance_1(const Rgb& c) {
   const float y = luminance(c);
   return y > 0 ? c / y : c;
@@ -117,8 +65,8 @@ Rgb unadapted(const Samples& samples) {
   return rgb_of_spectrum(samples) * rgb_of_xyz(Rgb(1));
 }
 
-Rgb of_samples(const Context& context, const Samples& samples, Use use) {
-  if (use == Use::light) {
+Rgb of_samples(const Context& context, const Samples& samples, Role role) {
+  if (role == Role::light) {
     const Rgb c = unadapted(samples);
     return context.v4 ? with_luminance_1(c) : c;
   }
@@ -158,52 +106,40 @@ Samples sorted_samples(const std::vector<double>& numbers, const Place& place) {
   return samples;
 }
 
-// "metal-Cu-eta", "metal-Cu-k".
+// "metal-Cu-eta", "metal-Cu-k", and as pbrt-v3 says the same, often without the file:
+// "spds/Cu.eta.spd".
 std::optional<Rgb> of_metal(const std::string& name) {
-  if (!name.starts_with("metal-")) return {};
-  const size_t dash = name.rfind('-');
-  if (dash < 6) return {};
-  const std::string metal = name.substr(6, dash - 6), part = name.substr(dash + 1);
+  const size_t first = name.starts_with("metal-") ? 6 : name.find_last_of("/\\") + 1;
+  const size_t end = std::min(name.find_first_of("-.", first), name.size());
+  const std::string metal = name.substr(first, end - first), part = name.substr(end);
   std::optional<std::array<Rgb, 2>> both = conductor_named(metal);
   // Brass by refractiveindex.info; the oxides hardly absorb.
   if (metal == "CuZn") both = {{{0.444f, 0.527f, 1.094f}, {3.695f, 2.765f, 1.829f}}};
   if (metal == "MgO") both = {{Rgb(1.735f), Rgb(0)}};
   if (metal == "TiO2") both = {{{2.59f, 2.65f, 2.80f}, Rgb(0)}};
-  if (!both || (part != "eta" && part != "k")) return {};
-  return (*both)[part == "k"];
+  if (both && (part == "-eta" || part == ".eta.spd")) return (*both)[0];
+  if (both && (part == "-k" || part == ".k.spd")) return (*both)[1];
+  return {};
 }
 
 // A spectrum of pbrt's own, or of a file.
-Rgb of_name(const Entity& e, const Parameter& p, const std::string& name, Use use) {
-  if (use == Use::index) {
-    if (const auto metal = of_metal(name)) return *metal;
+Rgb of_name(const Entity& e, const Parameter& p, const std::string& name, Role role) {
+  Source& source = e.context.source;
+  if (role == Role::index) {
+    if (const auto metal = of_metal(name); metal && !source.has(name, p.place)) return *metal;
     if (const auto ior = ior_named(name)) return Rgb(static_cast<float>(*ior));
   }
-  if (name == "stdillum-D65") return Rgb(1);
-  Source& source = e.context.source;
-  for (const auto& [known, kelvin] : kIlluminants)
-    if (name == known) {
-      if (name != "stdillum-A")
-        source.lose(p.place,
-                    fmt::format("the spectrum \"{}\" becomes that of a black body of {} kelvin",
-                                name, kelvin));
-      return rgb_of_blackbody(kelvin);
-    }
-  // pbrt-v3 says "metal-Cu-eta" as "spds/Cu.eta.spd", which often comes without its file.
-  if (use == Use::index && !source.has(name, p.place)) {
-    const std::string stem = name.substr(name.find_last_of("/\\") + 1);
-    const size_t dot = std::min(stem.find('.'), stem.size());
-    for (const char* part : {"eta", "k"})
-      if (stem.substr(dot) == fmt::format(".{}.spd", part))
-        if (const auto metal = of_metal(fmt::format("metal-{}-{}", stem.substr(0, dot), part)))
-          return *metal;
+  if (name == "stdillum-A") return rgb_of_blackbody(2856);
+  if (name.starts_with("stdillum-") || name.starts_with("illum-")) {
+    if (name != "stdillum-D65")
+      source.lose(p.place, fmt::format("the spectrum \"{}\" becomes white", shown(name)));
+    return Rgb(1);
   }
   const std::string bytes = source.read(name, p.place);
   Tokens tokens(bytes, source.shown_name(name));
   std::vector<double> numbers;
-  while (const std::optional<Token> token = tokens.next())
-    numbers.push_back(number_of(*token, tokens.place()));
-  return of_samples(e.context, sorted_samples(numbers, p.place), use);
+  while (tokens.peek().kind != Token::Kind::end) numbers.push_back(tokens.number_of(tokens.next()));
+  return of_samples(e.context, sorted_samples(numbers, p.place), role);
 }
 
 Rgb of_three(const Parameter& p) {
@@ -214,27 +150,23 @@ Rgb of_three(const Parameter& p) {
 
 }  // namespace
 
-std::optional<Rgb> Entity::spectrum(const std::string& name, Use use) const {
+std::optional<Rgb> Entity::spectrum(const std::string& name, Role role) const {
   const Parameter* p = find(name, {"rgb", "color", "xyz", "blackbody", "spectrum"});
   if (!p) return {};
   const Rgb colour = p->type == "xyz"         ? rgb_of_xyz(of_three(*p))
                      : p->type == "blackbody" ? of_blackbody(context, *p)
                      : p->type != "spectrum"  ? of_three(*p)
                      : p->strings.size() == 1
-                         ? of_name(*this, *p, p->strings[0], use)
-                         : of_samples(context, sorted_samples(p->numbers, p->place), use);
+                         ? of_name(*this, *p, p->strings[0], role)
+                         : of_samples(context, sorted_samples(p->numbers, p->place), role);
   if (!is_finite(colour))
     Source::fail(p->place, fmt::format("the values of \"{}\" are too large", shown(name)));
   return max(colour, Rgb(0));
 }
 
 double Entity::index(const std::string& name, double absent) const {
-  if (const Parameter* p = find(name, {"float"})) {
-    if (p->numbers.empty())
-      Source::fail(p->place, fmt::format("\"{}\" must be a number", shown(name)));
-    return p->numbers[0];
-  }
-  const auto value = spectrum(name, Use::index);
+  if (const double* v = numbers(name, {"float"}, 1)) return *v;
+  const auto value = spectrum(name, Role::index);
   return value ? value->y : absent;
 }
 

@@ -6,6 +6,9 @@
 #include <optional>
 #include <string>
 #include <unordered_map>
+#include <unordered_set>
+
+#include <fmt/format.h>
 
 #include "tools/tdpt-import/described.h"
 
@@ -13,25 +16,30 @@ namespace tdpt::foreign::tungsten {
 
 using Json = nlohmann::ordered_json;
 
-/// Keys by their values; and for each object the key that its members wait for.
-struct Keys {
-  std::unordered_map<const Json*, Key> of_member, of_object;
-
-  /// Enters the members of all objects in a value. `name`: the key that holds it.
-  void enter(const Json& json, Source& source, const std::string& where, const std::string& name);
+/// The keys of the objects that were looked into: those of others are not missed.
+struct Account {
+  Source& source;
+  std::unordered_map<const Json*, Key> keys{};  ///< by their values
+  std::unordered_set<const Json*> objects{};
 };
 
 /// A value and its place, such as "primitives[3].transform".
 class Node {
  public:
-  Node(const Json& json, Source& source, const Keys& keys, std::string where)
-      : json_(&json), source_(&source), keys_(&keys), where_(std::move(where)) {}
+  Node(const Json& json, Account& account, std::string where)
+      : json_(&json), account_(&account), where_(std::move(where)) {}
 
   const Json& json() const { return *json_; }
-  Place place() const { return {source_->path(), where_}; }
-  Source& source() const { return *source_; }
-  [[noreturn]] void fail(const std::string& message) const { Source::fail(place(), message); }
-  void lose(const std::string& sentence) const { source_->lose(place(), sentence); }
+  Place place() const { return {source().path(), where_}; }
+  Source& source() const { return account_->source; }
+  template <class... A>
+  void lose(fmt::format_string<const A&...> sentence, const A&... values) const {
+    source().lose(place(), fmt::format(sentence, values...));
+  }
+  template <class... A>
+  [[noreturn]] void fail(fmt::format_string<const A&...> message, const A&... values) const {
+    Source::fail(place(), fmt::format(message, values...));
+  }
 
   /// The member of an object; empty if there is none.
   std::optional<Node> find(const char* key) const;
@@ -52,15 +60,15 @@ class Node {
   std::string text(const char* key, const std::string& otherwise) const;
   bool flag(const char* key, bool otherwise) const;
 
-  /// Takes keys that do not change the picture, or whose loss is named otherwise. They are
-  /// separated by spaces.
-  void ignore(const char* keys) const;
-  void ignore_all() const;
+  /// Takes keys that do not change the picture, or whose loss is named otherwise; all of them if no
+  /// names are given.
+  void ignore(std::initializer_list<const char*> names = {}) const;
 
  private:
+  void enter_keys() const;
+
   const Json* json_;
-  Source* source_;
-  const Keys* keys_;
+  Account* account_;
   std::string where_;
 };
 
@@ -71,7 +79,6 @@ struct Context {
   Described& scene;
   std::map<std::string, Node> named_surfaces{};
   std::map<std::string, size_t> materials{}, images{}, meshes{};
-  std::map<Mesh (*)(), size_t> made_meshes{};
 };
 
 /// Enters the surfaces of a scene by their names.

@@ -1,57 +1,39 @@
 #include "tools/tdpt-import/tungsten/context.h"
 
-#include <fmt/format.h>
 #include <cmath>
 #include <numbers>
-#include <sstream>
 
 #include "libcommon/base/words.h"
 
 namespace tdpt::foreign::tungsten {
-namespace {
-
-std::string inside(const std::string& where, const std::string& key) {
-  return where.empty() ? key : where + "." + key;
-}
-
-}  // namespace
-
-void Keys::enter(const Json& json, Source& source, const std::string& where,
-                 const std::string& name) {
-  if (json.is_array())
-    for (size_t i = 0; i < json.size(); ++i)
-      enter(json[i], source, fmt::format("{}[{}]", where, i), name);
-  if (!json.is_object()) return;
-  const auto type = json.find("type");
-  const std::string what = type != json.end() && type->is_string()
-                               ? "a " + shown(type->get<std::string>(), 40)
-                           : name.empty() ? "the scene"
-                                          : "\"" + shown(name, 40) + "\"";
-  const Place place{source.path(), where};
-  const Key object = of_object[&json] = source.enter({}, place, "");
-  for (const auto& [key, value] : json.items()) {
-    of_member[&value] =
-        source.enter(object, place, fmt::format("\"{}\" of {} is not read", shown(key, 40), what));
-    enter(value, source, inside(where, key), key);
+void Node::enter_keys() const {
+  if (!json_->is_object() || !account_->objects.insert(json_).second) return;
+  const auto type = json_->find("type");
+  const std::string of_what = type != json_->end() && type->is_string()
+                                  ? " of a " + shown(type->get<std::string>(), 40)
+                                  : "";
+  for (const auto& [key, value] : json_->items()) {
+    const Key entered = account_->keys[&value] =
+        source().enter({}, place(), fmt::format("\"{}\"{} is not read", shown(key, 40), of_what));
+    if (value == 0 || value == false || value.is_null()) entered.take();  // nothing is lost of it
   }
 }
 
 std::optional<Node> Node::find(const char* key) const {
-  if (!json_->is_object()) return {};
-  keys_->of_object.at(json_).take();
-  const auto it = json_->find(key);
+  enter_keys();
+  const auto it = json_->is_object() ? json_->find(key) : json_->end();
   if (it == json_->end()) return {};
-  keys_->of_member.at(&*it).take();
-  return Node(*it, *source_, *keys_, inside(where_, key));
+  account_->keys.at(&*it).take();
+  return Node(*it, *account_, where_.empty() ? key : where_ + "." + key);
 }
 
 Node Node::needed(const char* key) const {
   if (const auto n = find(key)) return *n;
-  fail(fmt::format("has no \"{}\"", key));
+  fail("has no \"{}\"", key);
 }
 
 Node Node::item(size_t index) const {
-  return Node((*json_)[index], *source_, *keys_, fmt::format("{}[{}]", where_, index));
+  return Node((*json_)[index], *account_, fmt::format("{}[{}]", where_, index));
 }
 
 double Node::number() const {
@@ -94,14 +76,11 @@ bool Node::flag(const char* key, bool otherwise) const {
   return n->json().get<bool>();
 }
 
-void Node::ignore(const char* keys) const {
-  std::istringstream words(keys);
-  for (std::string key; words >> key;) find(key.c_str());
-}
-
-void Node::ignore_all() const {
-  if (!json_->is_object()) return;
-  for (const auto& [key, value] : json_->items()) keys_->of_member.at(&value).take();
+void Node::ignore(std::initializer_list<const char*> names) const {
+  for (const char* name : names) find(name);
+  if (names.size() > 0 || !json_->is_object()) return;
+  enter_keys();
+  for (const Json& value : *json_) account_->keys.at(&value).take();
 }
 
 namespace {
@@ -134,7 +113,7 @@ Affine rotation_of(const Vec3d& degrees) {
 
 Affine matrix_of(const Node& node) {
   if (node.json().size() != 16)
-    node.fail(fmt::format("is a matrix of {} numbers, expected 16", node.json().size()));
+    node.fail("is a matrix of {} numbers, expected 16", node.json().size());
   double m[16];
   for (size_t i = 0; i < 16; ++i) m[i] = node.item(i).number();
   return {{m[0], m[4], m[8]}, {m[1], m[5], m[9]}, {m[2], m[6], m[10]}, {m[3], m[7], m[11]}};

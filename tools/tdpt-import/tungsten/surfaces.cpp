@@ -8,7 +8,6 @@ namespace tdpt::foreign::tungsten {
 namespace {
 
 constexpr int kDeepest = 16;  // nested surfaces
-const Number kSmooth{0.0f, {}, {}};
 
 Rgb rgb(const Vec3d& v) {
   return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
@@ -20,7 +19,8 @@ float mean(const Rgb& c) {
 
 void lose_absorption(const Node& bsdf) {
   const Vec3d absorbed = bsdf.vector("sigma_a", Vec3d(0)) * bsdf.number("thickness", 1);
-  if (max_component(absorbed) > 0) bsdf.lose("the absorption (sigma_a) in coats is left out");
+  if (max_component(absorbed) > 0)
+    bsdf.lose("absorption (sigma_a) in coats and sheets is left out");
 }
 
 // Index of the image in the file that a text names, once for each name.
@@ -47,46 +47,9 @@ Texture checker(Context& in, const Node& node) {
   return t;
 }
 
-std::optional<Texture> texture(Context& in, const Node& node, Rgb& constant) {
-  if (node.is_number() || node.is_array()) {
-    constant = rgb(node.vector());
-    return {};
-  }
-  constant = Rgb(1);
-  if (node.is_string()) {
-    Texture t;
-    t.image = image(in, node);
-    return t;
-  }
-  if (!node.is_object()) node.fail("is no texture: neither number, colour, file nor object");
-  const std::string type = node.text("type", "");
-  if (type == "bitmap") {
-    Texture t;
-    t.image = image(in, node.needed("file"));
-    t.srgb = node.flag("gamma_correct", true);
-    t.nearest = !node.flag("interpolate", true);
-    if (node.flag("clamp", false)) t.wrap_u = t.wrap_v = Texture::Wrap::clamp;
-    const double scale = node.number("scale", 1);
-    if (!t.nearest) constant = Rgb(static_cast<float>(scale));  // as in Tungsten
-    return t;
-  }
-  if (type == "checker") return checker(in, node);
-  if (type == "constant") {
-    constant = rgb(node.vector("value", Vec3d(1)));
-    return {};
-  }
-  node.lose(fmt::format("textures of type \"{}\" are not read: grey of 0.5 in their place",
-                        shown(type, 40)));
-  node.ignore_all();
-  constant = Rgb(0.5f);
-  return {};
-}
-
 Number number(Context& in, const Node& node) {
-  Rgb constant;
-  Number n;
-  n.texture = texture(in, node, constant);
-  n.factor = mean(constant);
+  const Colour c = colour(in, node);
+  Number n{mean(c.factor), c.texture, {}};
   if (n.texture) n.texture->srgb = false;  // whatever gamma_correct says
   return n;
 }
@@ -99,17 +62,17 @@ Colour albedo(Context& in, const Node& bsdf) {
 Number roughness(Context& in, const Node& bsdf, double otherwise) {
   const std::string distribution = bsdf.text("distribution", "ggx");
   if (distribution != "ggx")
-    bsdf.lose(fmt::format("microfacets of type \"{}\" become GGX", shown(distribution, 40)));
+    bsdf.lose("microfacets of type \"{}\" become GGX", shown(distribution, 40));
   const auto r = bsdf.find("roughness");
   return r ? number(in, *r) : Number{static_cast<float>(otherwise), {}, {}};
 }
 
 Material conductor_of(Context& in, const Node& bsdf, const Number& alpha) {
-  if (const std::string lost = lost_of_rough_metal(alpha); !lost.empty()) bsdf.lose(lost);
+  if (const std::string lost = lost_of_rough_metal(alpha); !lost.empty()) bsdf.lose("{}", lost);
   const auto name = bsdf.find("material"), eta = bsdf.find("eta"), k = bsdf.find("k");
   const auto known = conductor_named(name ? name->text() : "Cu");
   if (!known)
-    bsdf.lose("the metal \"" + shown(name->text(), 40) + "\" is not known: aluminium in its place");
+    bsdf.lose("the metal \"{}\" is not known: aluminium in its place", shown(name->text(), 40));
   auto [n, kappa] = known ? *known : *conductor_named("Al");
   if (!name && eta) {  // a material prevails; without eta, Tungsten does not read k
     n = rgb(eta->vector());
@@ -125,107 +88,74 @@ Material read_nested(Context& in, const Node& bsdf, int depth) {
   const auto it = in.named_surfaces.find(name);
   if (it == in.named_surfaces.end() && (name == "null" || name == "NULL"))
     return diffuse({Rgb(0), {}, {}});
-  if (it == in.named_surfaces.end())
-    bsdf.fail("\"" + shown(name) + "\" is no surface of the scene");
+  if (it == in.named_surfaces.end()) bsdf.fail("\"{}\" is no surface of the scene", shown(name));
   return read(in, it->second, depth);
 }
 
 double ior(const Node& bsdf) {
   const double v = bsdf.number("ior", 1.5);
-  if (!(v > 0.1 && v < 100)) bsdf.fail(fmt::format("has an index of refraction of {}", v));
+  if (!(v > 0.1 && v < 100)) bsdf.fail("has an index of refraction of {}", v);
   if (v >= 1) return v;
   bsdf.lose("an index of refraction below 1 becomes its inverse");
   return 1 / v;
 }
 
-Material inner(Context& in, const Node& bsdf, const char* key, int depth) {
-  return read_nested(in, bsdf.needed(key), depth + 1);
-}
-
-Material plastic_of(Context& in, const Node& bsdf, const Number& alpha) {
-  lose_absorption(bsdf);
-  return plastic(albedo(in, bsdf), ior(bsdf), alpha, true);
-}
-
-Material glass_of(Context& in, const Node& bsdf, const Number& alpha) {
-  if (!bsdf.flag("enable_refraction", true))
-    bsdf.lose("glass that only reflects (enable_refraction) refracts");
-  return glass(ior(bsdf), albedo(in, bsdf), alpha, true);
-}
-
-Material sheet_of(Context& in, const Node& bsdf) {
-  if (bsdf.flag("enable_interference", false))
-    bsdf.lose("the interference of thin sheets is left out");
-  if (max_component(bsdf.vector("sigma_a", Vec3d(0))) > 0)
-    bsdf.lose("the absorption of thin sheets is left out");
-  bsdf.ignore("thickness");  // of interference and absorption
-  return glass(ior(bsdf), albedo(in, bsdf), kSmooth, false);
-}
-
-Material transparent(Context& in, const Node& bsdf, int depth) {
-  Material m = inner(in, bsdf, "base", depth);
-  bsdf.ignore("albedo");  // the base's counts
-  const auto alpha = bsdf.find("alpha");
-  if (alpha) m.opacity = number(in, *alpha);
-  if (m.opacity.texture) m.opacity.texture->alpha = true;
-  return m;
-}
-
-Material coated(Context& in, const Node& bsdf, const Number& alpha, int depth) {
-  Material m = inner(in, bsdf, "substrate", depth);
-  m.coat = 1;
-  if (alpha.texture) bsdf.lose("the texture of a coat's roughness is left out");
-  m.coat_roughness = std::sqrt(alpha.texture ? 0.1f : std::clamp(alpha.factor, 0.0f, 1.0f));
-  lose_absorption(bsdf);
-  bsdf.ignore("albedo ior");  // the substrate's counts; named
-  return m;
-}
-
-Material heavier(Context& in, const Node& bsdf, int depth) {
-  const auto share = bsdf.find("ratio");
-  bsdf.ignore("bsdf0 bsdf1");
-  if (const Colour all = albedo(in, bsdf); all.texture || mean(all.factor) != 1)
-    bsdf.lose("the albedo of mixed surfaces, which multiplies both, is left out");
-  return inner(in, bsdf, !share || number(in, *share).factor >= 0.5f ? "bsdf0" : "bsdf1", depth);
-}
-
 Material of_type(Context& in, const std::string& type, const Node& bsdf, int depth) {
-  const auto near_to = [&](const char* what) {
-    bsdf.lose(fmt::format("surfaces of type \"{}\" become {}", shown(type, 40), what));
+  const auto lose_as = [&](const char* what) {
+    bsdf.lose("surfaces of type \"{}\" become {}", shown(type, 40), what);
   };
-  if (type == "lambert") return diffuse(albedo(in, bsdf));
-  if (type == "mirror") return mirror(albedo(in, bsdf));
-  if (type == "conductor") return conductor_of(in, bsdf, kSmooth);
-  if (type == "rough_conductor") return conductor_of(in, bsdf, roughness(in, bsdf, 0.1));
-  if (type == "plastic") return plastic_of(in, bsdf, kSmooth);
-  if (type == "rough_plastic") return plastic_of(in, bsdf, roughness(in, bsdf, 0.02));
-  if (type == "dielectric") return glass_of(in, bsdf, kSmooth);
-  if (type == "rough_dielectric") return glass_of(in, bsdf, roughness(in, bsdf, 0.1));
-  if (type == "thinsheet") return sheet_of(in, bsdf);
-  if (type == "transparency") return transparent(in, bsdf, depth);
-  if (type == "oren_nayar") {
-    near_to("Lambertian");
-    bsdf.ignore("roughness");  // of Oren-Nayar
-    return diffuse(albedo(in, bsdf));
+  const auto inner = [&](const char* key) { return read_nested(in, bsdf.needed(key), depth + 1); };
+  const bool is_rough = type.starts_with("rough_");
+  const std::string kind = is_rough ? type.substr(6) : type;
+  const Number alpha = is_rough
+                           ? roughness(in, bsdf, kind == "plastic" || kind == "coat" ? 0.02 : 0.1)
+                           : Number{0.0f, {}, {}};
+  if (kind == "lambert") return diffuse(albedo(in, bsdf));
+  if (kind == "mirror") return mirror(albedo(in, bsdf));
+  if (kind == "conductor") return conductor_of(in, bsdf, alpha);
+  if (kind == "plastic" || kind == "thinsheet") {
+    lose_absorption(bsdf);
+    return kind == "plastic" ? plastic(albedo(in, bsdf), ior(bsdf), alpha, true)
+                             : glass(ior(bsdf), albedo(in, bsdf), alpha, false);
   }
-  if (type == "smooth_coat" || type == "rough_coat") {
-    near_to("a clear coat of index 1.5");
-    return coated(in, bsdf, type == "smooth_coat" ? kSmooth : roughness(in, bsdf, 0.02), depth);
+  if (kind == "dielectric") {
+    if (!bsdf.flag("enable_refraction", true))
+      bsdf.lose("glass that only reflects (enable_refraction) refracts");
+    return glass(ior(bsdf), albedo(in, bsdf), alpha, true);
   }
-  if (type == "mixed") {
-    near_to("the heavier of the two");
-    return heavier(in, bsdf, depth);
-  }
-  if (type == "null" || type == "forward") {  // absorbs all light; lets all pass
-    bsdf.ignore("albedo");                    // of no surface
-    Material m = diffuse({Rgb(0), {}, {}});
-    m.invisible = type == "forward";
+  if (kind == "transparency") {
+    Material m = inner("base");
+    bsdf.ignore({"albedo"});  // the base's counts
+    if (const auto opacity = bsdf.find("alpha")) m.opacity = number(in, *opacity);
+    if (m.opacity.texture) m.opacity.texture->alpha = true;
     return m;
   }
-  bsdf.ignore_all();
-  bsdf.lose(
-      fmt::format("surfaces of type \"{}\" are not read: Lambertian of their albedo in their place",
-                  shown(type, 40)));
+  if (kind == "smooth_coat" || kind == "coat") {
+    lose_as("a clear coat of index 1.5");
+    lose_absorption(bsdf);
+    if (alpha.texture) bsdf.lose("the texture of a coat's roughness is left out");
+    bsdf.ignore({"albedo", "ior"});  // the substrate's counts; named
+    Material m = inner("substrate");
+    m.coat = 1;
+    m.coat_roughness = std::sqrt(alpha.texture ? 0.1f : std::clamp(alpha.factor, 0.0f, 1.0f));
+    return m;
+  }
+  if (kind == "mixed") {
+    lose_as("the heavier of the two");
+    bsdf.ignore({"bsdf0", "bsdf1"});
+    if (const Colour all = albedo(in, bsdf); all.texture || mean(all.factor) != 1)
+      bsdf.lose("the albedo of mixed surfaces, which multiplies both, is left out");
+    const auto share = bsdf.find("ratio");
+    return inner(!share || number(in, *share).factor >= 0.5f ? "bsdf0" : "bsdf1");
+  }
+  if (kind == "null" || kind == "forward") {  // absorbs all light; lets all pass
+    bsdf.ignore({"albedo"});                  // of no surface
+    Material m = diffuse({Rgb(0), {}, {}});
+    m.invisible = kind == "forward";
+    return m;
+  }
+  lose_as("Lambertian");
+  bsdf.ignore();
   return diffuse(albedo(in, bsdf));
 }
 
@@ -238,7 +168,7 @@ Material read(Context& in, const Node& bsdf, int depth) {
     m.bump = heights.texture;
     m.bump_scale = heights.factor;
   }
-  bsdf.ignore("name");
+  bsdf.ignore({"name"});
   return m;
 }
 
@@ -256,8 +186,26 @@ void name_surfaces(Context& in, const Node& bsdfs) {
 }
 
 Colour colour(Context& in, const Node& node) {
-  Colour c;
-  c.texture = texture(in, node, c.factor);
+  if (node.is_number() || node.is_array()) return {rgb(node.vector()), {}, {}};
+  if (!node.is_string() && !node.is_object())
+    node.fail("is no texture: neither number, colour, file nor object");
+  const std::string type = node.is_string() ? "" : node.text("type", "");
+  if (type == "checker") return {Rgb(1), checker(in, node), {}};
+  if (type == "constant") return {rgb(node.vector("value", Vec3d(1))), {}, {}};
+  if (!node.is_string() && type != "bitmap") {
+    node.lose("textures of type \"{}\" are not read: grey of 0.5 in their place", shown(type, 40));
+    node.ignore();
+    return {Rgb(0.5f), {}, {}};
+  }
+  Colour c{Rgb(1), Texture{}, {}};
+  Texture& t = *c.texture;
+  t.image = image(in, node.is_string() ? node : node.needed("file"));
+  if (node.is_string()) return c;
+  t.srgb = node.flag("gamma_correct", true);
+  t.nearest = !node.flag("interpolate", true);
+  if (node.flag("clamp", false)) t.wrap_u = t.wrap_v = Texture::Wrap::clamp;
+  const double scale = node.number("scale", 1);
+  if (!t.nearest) c.factor = Rgb(static_cast<float>(scale));  // as in Tungsten
   return c;
 }
 

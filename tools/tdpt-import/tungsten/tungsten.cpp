@@ -1,9 +1,6 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
-#include <set>
-
-#include <fmt/format.h>
 
 #include "libcommon/base/file.h"
 #include "libcommon/base/words.h"
@@ -19,18 +16,12 @@ constexpr const char* kMedia = "media (fog, absorption, scattering) are left out
 // From the directions of an infinite sphere to those of the map [described.h].
 constexpr Affine kToMap{{0, 0, -1}, {0, 1, 0}, {1, 0, 0}, {}};
 
-struct Placed {
-  Mesh (*mesh)();
-  Affine to_world;
-  double more_area = 0;  // counts for the power of its light, though nothing shines there
-};
-
-Mesh ball() {
-  return flipped(sphere());
-}
-
-Mesh disk() {
-  return flipped(disc());
+// A mesh that several shapes may show.
+template <class Make>
+size_t shared(Context& in, const std::string& key, const Make& make) {
+  const auto [it, is_new] = in.meshes.try_emplace(key, in.scene.meshes.size());
+  if (is_new) in.scene.meshes.push_back(make());
+  return it->second;
 }
 
 std::array<float, 2> in_image(float u, float v) {  // of -1..1
@@ -46,7 +37,8 @@ Mesh box() {
   return mesh;
 }
 
-// A cylinder of diameter 1 from z = 0 to 1. Its caps are turned by half as the shape is [placed()].
+// A cylinder of diameter 1 from z = 0 to 1. Its caps are turned by half as the shape is
+// [place_solid()].
 Mesh tube(bool is_capped) {
   Mesh mesh = cylinder();
   for (const float z : {1.0f, 0.0f}) {
@@ -66,14 +58,6 @@ Mesh tube(bool is_capped) {
   return mesh;
 }
 
-Mesh open_tube() {
-  return tube(false);
-}
-
-Mesh capped_tube() {
-  return tube(true);
-}
-
 // The rotation of a map: its axes at length 1.
 Affine rotation_in(const Affine& map, const Node& node) {
   for (const Vec3d& axis : {map.x, map.y, map.z})
@@ -81,38 +65,31 @@ Affine rotation_in(const Affine& map, const Node& node) {
   return {normalize(map.x), normalize(map.y), normalize(map.z), {}};
 }
 
-// Empty for other types.
-// The round meshes have phi = 0 where u = 0, so they are turned by half.
-std::optional<Placed> placed(const Node& node, const std::string& type, const Affine& map) {
-  if (type == "quad") return Placed{square, map * Affine{{.5, 0, 0}, {0, 0, .5}, {0, .5, 0}, {}}};
-  if (type == "cube") return Placed{box, map * Affine{{.5, 0, 0}, {0, .5, 0}, {0, 0, .5}, {}}};
-  if (type != "sphere" && type != "disk" && type != "cylinder") return {};
-  const Affine turn = rotation_in(map, node);
-  const double across = std::max(length(map.x), length(map.z)), along = length(map.y);
-  if (type == "sphere") {
-    const double r = std::max(across, along);
-    return Placed{ball, {turn.x * -r, turn.y * -r, turn.z * r, map.t}};
-  }
-  if (type == "disk") {
-    const Onb<double> frame(turn.y);
-    return Placed{disk, {frame.y * -across, frame.x * -across, turn.y, map.t}};
-  }
-  const bool is_capped = node.flag("capped", true);
-  return Placed{is_capped ? capped_tube : open_tube,
-                {turn.x * -across, turn.z * -across, map.y, map.t - map.y / 2.0},
-                is_capped ? 0 : pi / 2 * across * across};
-}
-
-// Area of a placed mesh.
-double area_of(const Mesh& mesh, const Affine& to_world) {
-  double sum = 0;
-  const auto at = [&](uint32_t i) {
-    const Vec3f& p = mesh.positions[i];
-    return to_world.point({p.x, p.y, p.z});
+// Gives a shape the mesh of its type at its place; false for unknown types. The round meshes have
+// phi = 0 where u = 0, so they are turned by half.
+bool place_solid(Context& in, const Node& node, const std::string& type, const Affine& map,
+                 Shape& shape) {
+  const auto put = [&](const std::string& key, const auto& mesh, const Affine& to_world) {
+    shape.mesh = shared(in, key, mesh);
+    shape.to_world = to_world;
+    return true;
   };
-  for (const auto& [a, b, c] : mesh.triangles)
-    sum += length(cross(at(b) - at(a), at(c) - at(a))) / 2;
-  return sum;
+  if (type == "quad")
+    return put(type, square, map * Affine{{.5, 0, 0}, {0, 0, .5}, {0, .5, 0}, {}});
+  if (type == "cube") return put(type, box, map * Affine{{.5, 0, 0}, {0, .5, 0}, {0, 0, .5}, {}});
+  if (type != "sphere" && type != "disk" && type != "cylinder") return false;
+  const Affine turn = rotation_in(map, node);
+  const double across = std::max(length(map.x), length(map.z)), r = std::max(across, length(map.y));
+  if (type == "sphere")
+    return put(type, [] { return flipped(sphere()); },
+               {turn.x * -r, turn.y * -r, turn.z * r, map.t});
+  const Onb<double> frame(turn.y);
+  if (type == "disk")
+    return put(type, [] { return flipped(disc()); },
+               {frame.y * -across, frame.x * -across, turn.y, map.t});
+  const bool is_capped = node.flag("capped", true);
+  return put(is_capped ? "capped" : "open", [&] { return tube(is_capped); },
+             {turn.x * -across, turn.z * -across, map.y, map.t - map.y / 2.0});
 }
 
 // The light of a lamp, which has one colour.
@@ -136,23 +113,14 @@ void read_integrator(const Node& node) {
   if (node.number("min_bounces", 0) > 0) node.lose("light of few bounces (min_bounces) is kept");
   if (!node.flag("enable_two_sided_shading", true))
     node.lose("surfaces that are black on their back (enable_two_sided_shading) have two sides");
-  if (!node.flag("include_surfaces", true) || !node.flag("low_order_scattering", true))
-    node.lose("light that the integrator leaves out is kept");
-  node.ignore(
-      "adaptive_sampling alpha bidirectional current_spp enable_consistency_checks "
-      "enable_light_sampling enable_volume_light_sampling fixed_volume_radius "
-      "gather_photon_count gather_radius gaussian_mutation grid_memory image_pyramid "
-      "initial_sample_pool iterations_per_batch large_step_probability name "
-      "photon_count stratified_sampler strategy_perturbation_probability type "
-      "use_frustum_grid use_grid volume_gather_radius volume_photon_count "
-      "volume_photon_type");
+  node.ignore();  // how it samples
 }
 
 void read_camera(Context& in, const Node& node) {
   const std::string type = node.text("type", "pinhole");
   Camera c;
   c.name = "camera";
-  node.ignore("tonemap reconstruction_filter name");  // how the picture is written
+  node.ignore({"tonemap", "reconstruction_filter", "name"});  // how the picture is written
   if (node.find("medium")) node.lose(kMedia);
   double width = 1000, height = 563;
   if (const auto size = node.find("resolution")) {
@@ -163,56 +131,40 @@ void read_camera(Context& in, const Node& node) {
     else
       size->fail("is neither a number nor an array of two");
     if (!(width >= 1 && height >= 1 && width <= 65536 && height <= 65536))
-      size->fail(fmt::format("is {} x {} pixels, expected 1 to 65536", width, height));
+      size->fail("is {} x {} pixels, expected 1 to 65536", width, height);
   }
   c.width = static_cast<int>(width), c.height = static_cast<int>(height);
   const double fov = node.number("fov", 60);
-  if (!(fov > 0 && fov < 180)) node.fail(fmt::format("has a field of view of {} degrees", fov));
+  if (!(fov > 0 && fov < 180)) node.fail("has a field of view of {} degrees", fov);
   c.yfov = 2 * std::atan(std::tan(fov * pi / 360) * height / width);  // fov is horizontal
   const Affine map = transform_of(node);
-  for (const Vec3d& axis : {map.x, map.y, map.z})
-    if (!(dot(axis, axis) > 0)) node.fail("has a transform with an axis of length 0");
-  c.to_world = {-normalize(map.x), normalize(map.y), -normalize(map.z), map.t};
+  const Affine turn = rotation_in(map, node);
+  c.to_world = {-turn.x, turn.y, -turn.z, map.t};
   if (type == "thinlens") {
     c.lens_radius = node.number("aperture_size", 0.001);
     c.focus_distance = node.number("focus_distance", 1);
-    if (node.number("cateye", 0) != 0) node.lose("the cat's eyes of a lens (cateye) are left out");
-    if (const auto shape = node.find("aperture")) {
-      if (shape->text("type", "") != "disk") node.lose("the aperture becomes a disc");
-      shape->ignore_all();
-    }
   } else if (type != "pinhole") {
-    node.lose(fmt::format("the camera of type \"{}\" becomes a pinhole camera", shown(type, 40)));
+    node.lose("the camera of type \"{}\" becomes a pinhole camera", shown(type, 40));
   }
   in.scene.cameras.push_back(c);
-}
-
-size_t made_mesh(Context& in, Mesh (*make)()) {
-  const auto [it, is_new] = in.made_meshes.try_emplace(make, in.scene.meshes.size());
-  if (is_new) in.scene.meshes.push_back(make());
-  return it->second;
 }
 
 size_t mesh_of(Context& in, const Node& node) {
   const Node file = node.needed("file");
   const std::string name = file.text();
   const bool smoothed = node.flag("smooth", false), again = node.flag("recompute_normals", false);
-  if (node.flag("backface_culling", false))
-    node.lose("triangles that are not seen from behind (backface_culling) are seen");
-  const auto key = fmt::format("{}\n{}{}", name, smoothed, again);
-  const auto it = in.meshes.find(key);
-  if (it != in.meshes.end()) return it->second;
-  const auto bytes = node.source().read_mesh(name, file.place());
-  const std::string shown_as = node.source().shown_name(name);
-  Mesh mesh = !bytes                   ? Mesh{}
-              : name.ends_with(".wo3") ? read_wo3(*bytes, shown_as)
-                                       : read_obj(*bytes, shown_as);
-  if (!smoothed)
-    mesh.normals.clear();
-  else if (again || mesh.normals.empty())
-    smooth(mesh);
-  in.scene.meshes.push_back(std::move(mesh));
-  return in.meshes[key] = in.scene.meshes.size() - 1;
+  return shared(in, fmt::format("{}\n{}{}", name, smoothed, again), [&] {
+    const auto bytes = node.source().read_mesh(name, file.place());
+    const std::string shown_as = node.source().shown_name(name);
+    Mesh mesh = !bytes                   ? Mesh{}
+                : name.ends_with(".wo3") ? read_wo3(*bytes, shown_as)
+                                         : read_obj(*bytes, shown_as);
+    if (!smoothed)
+      mesh.normals.clear();
+    else if (again || mesh.normals.empty())
+      smooth(mesh);
+    return mesh;
+  });
 }
 
 // A disk that shines within a cone about its normal.
@@ -235,49 +187,39 @@ void read_cone(Context& in, const Node& node, const Colour& radiance, const Affi
   in.scene.lamps.push_back(spot);
 }
 
-void read_sky(Context& in, const Node& node, const Affine& map) {
-  const auto radiance = emitted(in, node, 1 / (4 * pi));
-  node.ignore("sample bsdf");  // how it is sampled; of no surface
-  if (!radiance) return;
-  if (in.scene.sky) return node.lose("of several skies the first is taken");
-  Sky sky;
-  sky.colour = radiance->factor;
-  if (radiance->texture) {
-    sky.image = radiance->texture->image;
-    sky.srgb = radiance->texture->srgb;
-  }
-  sky.to_map = kToMap * rotation_in(map, node).transposed();
-  in.scene.sky = sky;
-}
-
-void read_sun(Context& in, const Node& node, const Affine& map) {
-  const double angle = node.number("cap_angle", 10) * pi / 180;
-  if (!(angle > 0 && angle <= pi / 2)) node.fail("has a cap_angle that is not within 0 to 90");
+// A sky, a sun or a point.
+void read_light(Context& in, const Node& node, const std::string& type, const Affine& map) {
+  const bool is_sun = type == "infinite_sphere_cap";
+  const double angle = is_sun ? node.number("cap_angle", 10) * pi / 180 : pi;
+  if (!(angle > 0 && (angle <= pi / 2 || !is_sun)))
+    node.fail("has a cap_angle that is not within 0 to 90");
   const auto radiance = emitted(in, node, 1 / (2 * pi * (1 - std::cos(angle))));
-  node.ignore("sample bsdf");  // how it is sampled; of no surface
-  if (node.find("skydome"))
-    node.lose("a sun takes its direction from its own transform, not from a skydome");
+  node.ignore({"sample", "bsdf"});  // how it is sampled; of no surface
   if (!radiance) return;
-  node.lose(
-      fmt::format("the sun of {:.4g} degrees becomes a point: give --sun-angle {:.4g} to tdpt",
-                  angle * 360 / pi, angle * 360 / pi));
-  const double s = std::sin(angle);
-  Lamp sun;
-  sun.kind = Lamp::Kind::sun;
-  sun.name = node.text("name", "sun");
-  sun.towards = -map.y;
-  sun.intensity = without_texture(node, *radiance) * static_cast<float>(pi * s * s);
-  in.scene.lamps.push_back(sun);
-}
-
-void read_point(Context& in, const Node& node, const Affine& map) {
-  const auto intensity = emitted(in, node, 1 / (4 * pi));
-  node.ignore("bsdf");  // of no surface
-  if (!intensity) return;
+  if (type == "infinite_sphere") {
+    if (in.scene.sky) return node.lose("of several skies the first is taken");
+    Sky& sky = in.scene.sky.emplace();
+    sky.colour = radiance->factor;
+    if (radiance->texture) {
+      sky.image = radiance->texture->image;
+      sky.srgb = radiance->texture->srgb;
+    }
+    sky.to_map = kToMap * rotation_in(map, node).transposed();
+    return;
+  }
   Lamp lamp;
-  lamp.name = node.text("name", "point");
-  lamp.at = map.t;
-  lamp.intensity = intensity->factor;
+  lamp.name = node.text("name", is_sun ? "sun" : "point");
+  lamp.intensity = without_texture(node, *radiance);
+  if (is_sun) {
+    node.lose("the sun of {0:.4g} degrees becomes a point: give --sun-angle {0:.4g} to tdpt",
+              angle * 360 / pi);
+    const double s = std::sin(angle);
+    lamp.kind = Lamp::Kind::sun;
+    lamp.towards = -map.y;
+    lamp.intensity = lamp.intensity * static_cast<float>(pi * s * s);
+  } else {
+    lamp.at = map.t;
+  }
   in.scene.lamps.push_back(lamp);
 }
 
@@ -285,30 +227,30 @@ void read_primitive(Context& in, const Node& node) {
   if (!node.is_object()) node.fail("is no object");
   const std::string type = node.text("type", "");
   const Affine map = transform_of(node);
-  node.ignore("name bump_strength");  // Tungsten itself does not read bump_strength
+  node.ignore({"name", "bump_strength"});  // Tungsten itself does not read bump_strength
   for (const char* side : {"int_medium", "ext_medium"})
     if (node.find(side)) node.lose(kMedia);
 
-  if (type == "infinite_sphere") return read_sky(in, node, map);
-  if (type == "infinite_sphere_cap") return read_sun(in, node, map);
-  if (type == "point") return read_point(in, node, map);
+  if (type == "infinite_sphere" || type == "infinite_sphere_cap" || type == "point")
+    return read_light(in, node, type, map);
 
   Shape shape;
   shape.name = node.text("name", "");
-  const std::optional<Placed> solid = placed(node, type, map);
-  if (!solid && type != "mesh") {
-    node.lose(fmt::format("primitives of type \"{}\" are not read and left out", shown(type, 40)));
-    return node.ignore_all();
+  if (type == "mesh") {
+    shape.mesh = mesh_of(in, node);
+    shape.to_world = map;
+  } else if (!place_solid(in, node, type, map, shape)) {
+    node.lose("primitives of type \"{}\" are not read and left out", shown(type, 40));
+    return node.ignore();
   }
-  shape.mesh = solid ? made_mesh(in, solid->mesh) : mesh_of(in, node);
-  shape.to_world = solid ? solid->to_world : map;
-  if (in.scene.meshes[shape.mesh].triangles.empty()) return node.ignore_all();
+  if (in.scene.meshes[shape.mesh].triangles.empty()) return node.ignore();
   // Tungsten takes the front of triangles and quads after they are placed.
   shape.turned = (type == "mesh" || type == "quad") && map.mirrors();
   shape.material = material(in, node.find("bsdf"));
   if (node.find("emission") || node.find("power")) {
-    const double area =
-        area_of(in.scene.meshes[shape.mesh], shape.to_world) + (solid ? solid->more_area : 0);
+    double area = area_of(in.scene.meshes[shape.mesh], shape.to_world);
+    if (type == "cylinder" && !node.flag("capped", true))  // its caps count, though none shine
+      area += pi / 2 * dot(shape.to_world.x, shape.to_world.x);
     const auto radiance = emitted(in, node, area > 0 ? 1 / (pi * area) : 0);
     const double cone = type == "disk" ? node.number("cone_angle", 90) : 90;
     if (cone > 90) node.lose("a cone_angle above 90 becomes 90");
@@ -317,28 +259,15 @@ void read_primitive(Context& in, const Node& node) {
     else
       shape.emission = Emission{*radiance, false};
   }
-  if (type == "disk") node.ignore("cone_angle");  // of its light
+  if (type == "disk") node.ignore({"cone_angle"});  // of its light
   in.scene.shapes.push_back(std::move(shape));
 }
 
-// Parses the scene's JSON. Of two values of a key the first counts.
-Json parsed(Source& source) {
+Json parsed(const Source& source) {
   if (nested_too_deep(source.text()))
     throw InputError(source.path(), "", "is nested too deeply, expected a Tungsten scene");
   try {
-    std::vector<std::set<std::string>> keys;  // of the objects that are open
-    return Json::parse(source.text(), [&](int depth, Json::parse_event_t event, Json& value) {
-      if (event == Json::parse_event_t::object_start) {
-        keys.resize(static_cast<size_t>(depth));
-        keys.emplace_back();
-      }
-      if (event != Json::parse_event_t::key) return true;
-      const auto key = value.get<std::string>();
-      const bool is_first = keys.at(static_cast<size_t>(depth) - 1).insert(key).second;
-      if (!is_first)
-        source.lose({source.path(), ""}, "\"" + shown(key, 40) + "\" stands twice in one object");
-      return is_first;
-    });
+    return Json::parse(source.text());
   } catch (const Json::exception& e) {
     std::string why = e.what();
     if (const size_t colon = why.find("at line"); colon != why.npos) why = why.substr(colon);
@@ -354,19 +283,13 @@ namespace tdpt::foreign {
 Described read_tungsten(Source& source) {
   using namespace tungsten;
   const Json json = parsed(source);
-  Keys keys;
-  keys.enter(json, source, "", "");
-  const Node root(json, source, keys, "");
+  Account account{source};
+  const Node root(json, account, "");
   if (!root.is_object()) root.fail("is no Tungsten scene: expected an object");
   const auto primitives = root.find("primitives");
   if (!primitives || !primitives->is_array())
     root.fail("is no Tungsten scene: expected an array \"primitives\"");
-  root.ignore("name media");  // lost where they are used
-  if (const auto renderer = root.find("renderer"))
-    renderer->ignore(  // files and samples
-        "adaptive_sampling checkpoint_interval enable_resume_render hdr_output_file name "
-        "output_buffers output_directory output_file overwrite_output_files resume_render_file "
-        "scene_bvh spp spp_step stratified_sampler timeout variance_output_file");
+  root.ignore({"name", "media", "renderer"});  // media are lost where they are used
   if (const auto integrator = root.find("integrator")) read_integrator(*integrator);
   Described scene;
   Context in{scene};
