@@ -40,22 +40,14 @@ SHARED uint place_of_end(uint group, uint c) MEMBER_CONST {
 }
 
 SHARED Connection empty_connection(uint kind) MEMBER_CONST {
-  Connection j = {kind,
-                  kNoVertex,
-                  kNoVertex,
-                  1.0f,
-                  vec3(0.0f, 0.0f, 1.0f),
-                  1.0f,
-                  vec3(0.0f, 0.0f, 0.0f),
-                  SOURCE_NONE,
-                  vec3(0.0f, 0.0f, 0.0f),
-                  kNoTriangle,
-                  vec3(0.0f, 0.0f, 0.0f),
-                  0.0f,
-                  0.0f,
-                  0u,
-                  0u,
-                  0u};
+  Connection j = zero_Connection();
+  j.kind = kind;
+  j.light = kNoVertex;
+  j.camera = kNoVertex;
+  j.times = 1.0f;
+  j.w = vec3(0.0f, 0.0f, 1.0f);
+  j.d2 = 1.0f;
+  j.triangle = kNoTriangle;
   return j;
 }
 
@@ -352,58 +344,75 @@ SHARED void see(uint i) MEMBER {
   connections[i].radiance = value;
 }
 
+/// The edge of a connection, and the densities across it.
+struct JoinedEdge {
+  bool to_camera;  ///< its camera end is the camera itself
+  AtJoint of_y;
+  AtJoint of_z;
+  float pair_A;     ///< p_AA of the edge
+  uint t;           ///< number of vertices from the camera
+  float z_goes_on;  ///< survival probability of the camera walk at z; 1 at its first two vertices
+};
+
+SHARED JoinedEdge joined_edge(Connection j, Joint joint) MEMBER {
+  JoinedEdge e;
+  e.to_camera = j.camera == kNoVertex;
+  float per_d2 = reciprocal(j.d2);
+  float per_y = cosine_to(joint.y, j.w) * per_d2;
+  float per_z = cosine_to(joint.z, j.w) * per_d2;
+  CrossingDensity crossing = no_crossing();
+  if (!e.to_camera) crossing = crossing_of(FROM_LIGHT, joint.y, joint.z, drawn_otherwise());
+  e.of_y = at_joint(FROM_LIGHT, joint.light, joint.of_light, joint.at_y, j.w, per_z, crossing);
+  e.of_z.onward_A = camera_pdf_w(-j.w) * per_y;
+  e.of_z.behind_A = 0.0f;
+  if (!e.to_camera)
+    e.of_z =
+        at_joint(FROM_CAMERA, joint.camera, joint.of_camera, joint.at_z, -j.w, per_y, crossing);
+  e.pair_A = crossing.density * cosine_to(joint.y, j.w) * per_z;
+  e.t = e.to_camera ? 1u : number_of(joint.of_camera) + 1u;
+  e.z_goes_on = e.to_camera ? 1.0f : survival_at(joint.of_camera);
+  return e;
+}
+
 /// Adds the path of a next event, of two connected walks, or of a light vertex that the camera
 /// sees; i: number of its scatterings.
 SHARED void connect(uint i) MEMBER {
   Connection j = load_connection(i);
   Joint joint = joint_of(j, i);
-  bool to_camera = j.kind == CONNECTION_SPLAT;
   bool next_event = j.kind == CONNECTION_NEXT_EVENT;
-  float per_d2 = reciprocal(j.d2);
-  float per_y = cosine_to(joint.y, j.w) * per_d2;
-  float per_z = cosine_to(joint.z, j.w) * per_d2;
-  CrossingDensity crossing = no_crossing();
-  if (!to_camera) crossing = crossing_of(FROM_LIGHT, joint.y, joint.z, drawn_otherwise());
   if (next_event && scene_has_portals && guide_active)
     joint.light.guide_total_emitted = guide_totals_at_light(joint.y).emitted;
-  AtJoint of_y =
-      at_joint(FROM_LIGHT, joint.light, joint.of_light, joint.at_y, j.w, per_z, crossing);
-  AtJoint of_z = {camera_pdf_w(-j.w) * per_y, 0.0f};
-  if (!to_camera)
-    of_z = at_joint(FROM_CAMERA, joint.camera, joint.of_camera, joint.at_z, -j.w, per_y, crossing);
+  JoinedEdge e = joined_edge(j, joint);
   uint s = next_event ? 1u : number_of(joint.of_light) + 1u;
-  uint t = to_camera ? 1u : number_of(joint.of_camera) + 1u;
-  uint k = s + t - 1u;
-  // Walks always survive their first two vertices.
+  uint k = s + e.t - 1u;
   float y_goes_on = next_event ? 1.0f : survival_at(joint.of_light);
-  float z_goes_on = to_camera ? 1.0f : survival_at(joint.of_camera);
+  float camera_A = is_met(joint.y) ? e.z_goes_on * e.of_z.onward_A : 0.0f;
   OF_FLOAT(Half) light = no_half();
   if (!next_event) {
     light.slot = j.light;
-    light.first_A = is_met(joint.y) ? z_goes_on * of_z.onward_A : 0.0f;
+    light.first_A = camera_A;
     if (is_met_behind(joint.of_light))
-      light.second_A = (t <= 1u ? 1.0f : joint.at_y.survival_behind) * of_y.behind_A;
+      light.second_A = (e.t <= 1u ? 1.0f : joint.at_y.survival_behind) * e.of_y.behind_A;
   }
   OF_FLOAT(Half) camera = no_half();
-  if (!to_camera) {
+  if (!e.to_camera) {
     camera.slot = j.camera;
-    camera.first_A = y_goes_on * of_y.onward_A;
+    camera.first_A = y_goes_on * e.of_y.onward_A;
     if (joint.of_camera.prev != kNoVertex)
-      camera.second_A = (s <= 1u ? 1.0f : joint.at_z.survival_behind) * of_z.behind_A;
+      camera.second_A = (s <= 1u ? 1.0f : joint.at_z.survival_behind) * e.of_z.behind_A;
   }
-  float pair_A = crossing.density * cosine_to(joint.y, j.w) * per_z;
   float weight;
-  uint technique = to_camera ? TECHNIQUE_LIGHT : TECHNIQUE_BI;
+  uint technique = e.to_camera ? TECHNIQUE_LIGHT : TECHNIQUE_BI;
   if (next_event) {
     technique = TECHNIQUE_DIRECT;
-    float camera_A = is_met(joint.y) ? z_goes_on * of_z.onward_A : 0.0f;
     weight = share_of(weight_of_direct(k),
-                      strategies_of_next_event(camera, k, j.nee_A, j.light_A, camera_A, pair_A));
+                      strategies_of_next_event(camera, k, j.nee_A, j.light_A, camera_A, e.pair_A));
   } else {
-    weight = share_of(weight_of_split(s, k), strategies_of_connected(light, camera, s, k, pair_A));
+    weight =
+        share_of(weight_of_split(s, k), strategies_of_connected(light, camera, s, k, e.pair_A));
   }
   uint walk =
-      to_camera ? joint.light.walk / render.walks_full : joint.camera.walk / render.per_cache;
+      e.to_camera ? joint.light.walk / render.walks_full : joint.camera.walk / render.per_cache;
   add_found(technique, j.pixel, k, sample_of_group(walk, 0u).number, j.radiance, weight);
 }
 

@@ -148,28 +148,11 @@ SHARED CrossingDensity crossing_of(uint from, Point at, Point to, Drawn drawn) M
 }
 
 SHARED PathVertex empty_vertex(uint walk) MEMBER_CONST {
-  PathVertex v = {vec3(0.0f, 0.0f, 0.0f),
-                  kNoTriangle,
-                  vec3(0.0f, 0.0f, 0.0f),
-                  SOURCE_NONE,
-                  vec3(1.0f, 1.0f, 1.0f),
-                  0.0f,
-                  vec3(0.0f, 0.0f, 0.0f),
-                  walk,
-                  0.0f,
-                  0.0f,
-                  0.0f,
-                  0.0f,
-                  0.0f,
-                  0.0f,
-                  0.0f,
-                  0u,
-                  vec3(0.0f, 0.0f, 0.0f),
-                  0u,
-                  vec3(0.0f, 0.0f, 0.0f),
-                  POINT_SIMPLE | POINT_CONNECTIBLE,
-                  vec3(0.0f, 0.0f, 0.0f),
-                  0.0f};
+  PathVertex v = zero_PathVertex();
+  v.triangle = kNoTriangle;
+  v.throughput = vec3(1.0f, 1.0f, 1.0f);
+  v.walk = walk;
+  v.made_of = POINT_SIMPLE | POINT_CONNECTIBLE;
   return v;
 }
 SHARED PathDensity empty_density() MEMBER_CONST {
@@ -177,16 +160,13 @@ SHARED PathDensity empty_density() MEMBER_CONST {
   return d;
 }
 SHARED WalkRay no_ray(uint walk) MEMBER_CONST {
-  WalkRay ray = {vec3(0.0f, 0.0f, 0.0f),
-                 kNoVertex,
-                 vec3(0.0f, 0.0f, 1.0f),
-                 0u,
-                 vec3(1.0f, 1.0f, 1.0f),
-                 -1,
-                 kNoTriangle,
-                 0.0f,
-                 0.0f,
-                 walk};
+  WalkRay ray = zero_WalkRay();
+  ray.here = kNoVertex;
+  ray.w = vec3(0.0f, 0.0f, 1.0f);
+  ray.throughput = vec3(1.0f, 1.0f, 1.0f);
+  ray.polygon = -1;
+  ray.triangle = kNoTriangle;
+  ray.walk = walk;
   return ray;
 }
 

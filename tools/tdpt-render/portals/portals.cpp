@@ -203,7 +203,7 @@ void PortalSet::make_pairs() {
 }
 
 double PortalSet::guide_total_along(const Vec3d& d) const {
-  return shader::PortalText{*this}.portal_guide_total_along(d);
+  return shader::PortalText{*this}.portal_guide_total(true, d, {}, shader::FROM_LIGHT);
 }
 
 bool PortalSet::spans(const Drawn& drawn, const Vec3d& x_l, const Vec3d& x_c) const {

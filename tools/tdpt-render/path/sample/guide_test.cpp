@@ -7,8 +7,8 @@
 
 #include "libcommon/testing/statistics/chi_square.h"
 #include "tools/tdpt-render/integrators/integrator.h"
-#include "tools/tdpt-render/path/sample/world.h"
 #include "tools/tdpt-render/path/sample/walk.h"
+#include "tools/tdpt-render/path/sample/world.h"
 #include "tools/tdpt-render/portals/portal_text.h"
 #include "tools/tdpt-render/testing/rooms.h"
 
@@ -466,7 +466,7 @@ TEST(guide, twin_a_density_that_knows_no_horizon_when_it_chooses) {
     const Judgement j = spoilt(c, [&](Stand& s, double W) {
       const double all =
           shader::PortalText(s.vista.openings.portals)
-              .portal_guide_totals(s.at.position, Vec3d(), static_cast<uint32_t>(from));
+              .portal_guide_total(false, s.at.position, Vec3d(), static_cast<uint32_t>(from));
       EXPECT_GT(all, 1.2 * W);
       s.aim() *= all / W;
     });
