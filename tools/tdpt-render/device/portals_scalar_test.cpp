@@ -8,7 +8,6 @@
 #include "libcommon/math/rng.h"
 #include "libcommon/scene/scene.h"
 #include "libcommon/testing/statistics/chi_square.h"
-#include "tools/tdpt-render/portals/portal_text.h"
 #include "tools/tdpt-render/testing/rooms.h"
 #include "tools/tdpt-render/testing/scalar_portals.h"
 
@@ -73,7 +72,8 @@ struct Differences {
 double explained(const PortalSet& set, const Vec3d& a, const Vec3d& b, bool pairs) {
   const Vec3d d = b - a;
   double worst = 0;
-  for (const PortalSet::Outline& f : set.outlines()) {
+  for (uint32_t i = 0; i < set.facets(); ++i) {
+    const PortalSet::PortalFacet& f = set.load_portal_facet(i);
     const double before = dot(f.normal, a - f.centre), after = dot(f.normal, b - f.centre);
     const double cos = dot(f.normal, d) / length(d);
     if (!(cos > 0) || (before > 0 || after < 0 ? -before / cos > 8 || after / cos < -8 : false))
@@ -93,7 +93,7 @@ Differences differences(const PortalSet& set, Spoil spoil) {
   Differences all;
   for (int i = 0; i < kEdges; ++i) {
     const auto [a, b] = edge(scalar, rng);
-    const PortalSet::CrossingDensity c = set.crossing(Vec3d(a), Vec3d(b), {});
+    const PortalSet::CrossingDensity c = set.portal_crossing(Vec3d(a), Vec3d(b), {});
     CrossingDensity mine = scalar.portal_crossing(a, b, drawn_otherwise());
     EXPECT_EQ(mine.density, scalar.portal_density(a, b, drawn_otherwise()));
     mine = spoil(mine);
@@ -250,7 +250,7 @@ TEST(portals_scalar, segments_are_those_of_the_same_numbers_in_doubles) {
     for (int i = 0; i < kSegments; ++i) {
       std::array<float, 7> u;
       const SegmentDraw mine = draw(scalar, u, rng);
-      const PortalSet::Sample s = set.sample({u[0], u[1], u[2], u[3], u[4], u[5], u[6]});
+      const PortalSet::SegmentDraw s = set.sample({u[0], u[1], u[2], u[3], u[4], u[5], u[6]});
       EXPECT_EQ(mine.portal, set.polygon(mine.drawn.polygon).portal);
       if (s.drawn.polygon != mine.drawn.polygon || s.drawn.second != mine.drawn.second) {
         ++others;
@@ -286,7 +286,7 @@ double worst_of_triangles(const PortalSet& set, double fault) {
       const PortalSet::Polygon& q = set.polygon(static_cast<int>(k));
       const double slope = dot(q.normal, d);
       const Vec3d at = Vec3d(from) + d * (dot(q.normal, q.p0 - Vec3d(from)) / slope);
-      if (!(slope > 0) || !shader::PortalText(set).polygon_holds(q, at, 0)) continue;
+      if (!(slope > 0) || !set.polygon_holds(q, at, 0)) continue;
       add(k, value);
       all += value;
     }
@@ -468,7 +468,7 @@ TEST(portals_scalar, twin_lines_less_directed_than_their_density_says) {
 
 TEST(portals_scalar, walks_are_aimed_as_the_same_numbers_aim_them_in_doubles) {
   for (const auto& [name, set] : all_portals()) {
-    const shader::PortalText doubles(set);
+    const PortalSet& doubles = set;
     const PortalTables tables(set);
     const ScalarPortals scalar(tables);
     double area = 0;
@@ -493,7 +493,7 @@ TEST(portals_scalar, walks_are_aimed_as_the_same_numbers_aim_them_in_doubles) {
       } else {
         others += W > 0 || mine > 0;
       }
-      const double along = set.guide_total_along(Vec3d(d)),
+      const double along = set.portal_guide_total(true, Vec3d(d), Vec3d(), FROM_LIGHT),
                    mine_along = scalar.portal_guide_total(true, d, vec3(0.0f), FROM_LIGHT);
       // At a cosine of 0.01 five digits remain; some facets are left out edge-on.
       EXPECT_NEAR(mine_along, along, 1e-5 * along + shader::kPortalEdgeOn * area);

@@ -4,7 +4,7 @@
 #include <array>
 
 #include "libcommon/base/process.h"
-#include "tools/tdpt-render/path/bsdf/surfaces.h"
+#include "tools/tdpt-render/path/bsdf/scatter.h"
 
 namespace tdpt {
 
