@@ -119,8 +119,8 @@ SHARED REAL portal_density_of_pairs(uint k, VEC3 from, VEC3 to, VEC3 d, REAL per
     int ways = of_f.triangles * of_g.triangles;  // combinations of triangles that give this line
     if (ways > 0) {
       REAL per_g = reciprocal(of_g.cosine);
-      REAL apart = of_g.before * per_g - of_f.before * per_f;
-      all += REAL(ways) * pair.pdf * (apart * apart) * (per_f * per_g);
+      REAL distance = of_g.before * per_g - of_f.before * per_f;
+      all += REAL(ways) * pair.pdf * (distance * distance) * (per_f * per_g);
     }
   }
   return all;

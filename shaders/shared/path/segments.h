@@ -20,16 +20,10 @@ SHARED void begin_segment(uint segment) MEMBER {
   uint i = segment % render.per_cache;
   if (i >= samples_of_cache(cache_of_group(group)) || render.max_depth < 2u) return;
   Sequence numbers = numbers_of(sample_of_group(group, i), PURPOSE_SEGMENT);
-  float u0 = uniform_of(numbers);
-  float u1 = uniform_of(numbers);
-  float u2 = uniform_of(numbers);
-  float u3 = uniform_of(numbers);
-  float u4 = uniform_of(numbers);
-  float u5 = uniform_of(numbers);
-  float u6 = uniform_of(numbers);
-  float drawn = uniform_of(numbers);
-  if (!(drawn < render.segments)) return;
-  SegmentDraw draw = sample_segment(u0, u1, u2, u3, u4, u5, u6);
+  FourNumbers u = four_numbers_of(numbers);
+  FourNumbers more = four_numbers_of(numbers);
+  if (!(more.d < render.segments)) return;
+  SegmentDraw draw = sample_segment(u.a, u.b, u.c, u.d, more.a, more.b, more.c);
   count_drawn(draw.portal);
   segments[segment].portal = draw.portal;
   WalkRay ray = no_ray(segment);
@@ -57,24 +51,11 @@ SHARED void end_segment(uint i) MEMBER {
   WalkRay ray = load_walk_ray(i);
   bool met = ray.triangle != kNoTriangle;
   if ((ray.flags & RAY_THERE) == 0u || (!met && !scene_has_sky)) return;
-  Point p;
-  if (met)
-    place_on_surface(ray.triangle, ray.b1, ray.b2, p);
-  else
-    p = point_in_sky(ray.w);
-  PathVertex v = empty_vertex(ray.walk);
-  keep_point(slot, p, v);
-  v.back = -ray.w;
-  v.facing = guide_facing(p, v.back);
+  Point p = point_reached(ray);
+  PathVertex v = vertex_reached(slot, ray, p, -ray.w, has_technique(TECHNIQUE_DIRECT) && met);
   // Only the coverage of a pane: put_segment_together() moves it into the segment.
   if (met && scene_has_panes)
     v.throughput = v.throughput * reciprocal(opacity_at(ray.triangle, ray.w));
-  if (scene_has_portals && guide_active)
-    keep_guide_totals(v, met ? guide_totals_at_surface(p, v.back) : guide_totals_at_light(p));
-  LightContext light_context = light_context_of(v);
-  if (has_technique(TECHNIQUE_DIRECT) && met) look_out(p, v.facing, light_context);
-  v.seen = light_context.seen;
-  v.sent = light_context.sent;
   path_vertices[slot] = v;
   PathDensity d = empty_density();
   uint from = (i & 1u) == 0u ? FROM_CAMERA : FROM_LIGHT;  // of walks that arrive from the other end
@@ -169,7 +150,7 @@ SHARED void connect_side(uint i) MEMBER {
   JoinedEdge e = joined_edge(j, joint);
   uint a = number_of(joint.of_light) + 1u;
   SegmentSide side = empty_side(j.radiance, j.light);
-  side.light_A0 = survival_at(joint.of_light) * e.of_y.onward_A;
+  side.light_A0 = chance_to_go_on(joint.of_light) * e.of_y.onward_A;
   side.light_A1 = (a <= 1u ? 1.0f : joint.at_z.survival_behind) * e.of_z.behind_A;
   side.first_A = is_met(joint.y) ? e.z_goes_on * e.of_z.onward_A : 0.0f;
   if (is_met_behind(joint.of_light)) side.second_A = joint.at_y.survival_behind * e.of_y.behind_A;

@@ -6,8 +6,6 @@
 
 #include "shaders/shared/bvh.h"
 #include "shaders/shared/elementary.h"
-#include "shaders/shared/path/connection_estimates.h"
-#include "shaders/shared/path/film_units.h"
 #include "shaders/shared/path/lights_layout.h"
 #include "shaders/shared/path/microfacet.h"
 #include "shaders/shared/path/point.h"
@@ -77,6 +75,7 @@ ZERO(PathVertex)
 ZERO(WalkRay)
 ZERO(Scattering)
 ZERO(Connection)
+ZERO(ConnectionEnd)
 ZERO(SegmentSide)
 
 /// Where each table begins among the texels of the submission or of the scene.
