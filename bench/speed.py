@@ -122,7 +122,7 @@ PARTS = (
     ("lights", None, r"Lights|LightSource|RectLights|WindowSky|Sky|NextEvents|CumulativeTable"),
     ("random numbers", None, r"Sequence|shader::|mix64|numbers"),
     ("film, tally", None, r"Film|Tally|FixedSum|UnitSum|to_pixel|to_film|project"),
-    ("techniques", None, r"PathSampler|render_samples|tbb::"),
+    ("techniques", None, r"PathSampler|CpuRenderer|tbb::"),
     ("other", None, r""),
 )
 WANTED = {"bdpt": 1.6, "tdpt-guided": 2.2}  # of a frame over its rays

@@ -7,8 +7,8 @@
 // camera end is a vertex of a camera walk, the camera itself, or, while a segment is connected with
 // light, x_l.
 //
-// Include after walk.h, weight.h and film.h, where flags[], connections[] and scatterings[] are,
-// and load_x() of the last two, of end_first, connection_end and segment.
+// Include after connection_estimates.h, weight.h and film.h, where flags[], connections[] and
+// scatterings[] are, and load_x() of the last two, of end_first, connection_end and segment.
 
 #include "shaders/shared/language.h"
 
@@ -20,42 +20,15 @@ SHARED uint slot_of_x_c(uint segment) MEMBER_CONST {
   return render.segments_first + 2u * segment + 1u;
 }
 
-// Order of connection_ends[]: y_0 of all walks, then the ends x_c of segments by their numbers,
-// then all other light vertices, cache by cache.
-SHARED uint segment_ends() MEMBER_CONST {
-  return render.groups * render.walks_full;
-}
-SHARED uint scattered_ends() MEMBER_CONST {
-  return render.groups * (render.walks_full + render.per_cache);
-}
-/// Index, within the last part, of a cache's first end.
-SHARED uint first_end(uint group) MEMBER_CONST {
-  return load_end_first(group * render.walks_full);
-}
-/// Index of a cache's end c: first its scattered vertices, then its y_0.
-SHARED uint place_of_end(uint group, uint c) MEMBER_CONST {
-  uint first = first_end(group);
-  uint n = first_end(group + 1u) - first;
-  return c < n ? scattered_ends() + first + c : group * render.walks_full + c - n;
-}
-
 SHARED Connection empty_connection(uint kind) MEMBER_CONST {
-  Connection j = {kind,
-                  kNoVertex,
-                  kNoVertex,
-                  1.0f,
-                  vec3(0.0f, 0.0f, 1.0f),
-                  1.0f,
-                  vec3(0.0f, 0.0f, 0.0f),
-                  SOURCE_NONE,
-                  vec3(0.0f, 0.0f, 0.0f),
-                  kNoTriangle,
-                  vec3(0.0f, 0.0f, 0.0f),
-                  0.0f,
-                  0.0f,
-                  0u,
-                  0u,
-                  0u};
+  Connection j = zero_Connection();
+  j.kind = kind;
+  j.light = kNoVertex;
+  j.camera = kNoVertex;
+  j.times = 1.0f;
+  j.w = vec3(0.0f, 0.0f, 1.0f);
+  j.d2 = 1.0f;
+  j.triangle = kNoTriangle;
   return j;
 }
 
@@ -73,13 +46,10 @@ SHARED void choose_next_event(uint slot, uint place) MEMBER {
   SampleName name = sample_of_group(at.walk / render.per_cache, at.walk % render.per_cache);
   Sequence numbers = numbers_of(name, PURPOSE_NEXT_EVENT);
   seek(numbers, 4u * number);
-  float u = uniform_of(numbers);
-  float v = uniform_of(numbers);
-  float pick = uniform_of(numbers);
-  float side = uniform_of(numbers);
+  FourNumbers n = four_numbers_of(numbers);
   LightContext light_context = light_context_of(at);
   LightPlace chosen =
-      sample_next_event(x1, light_context, render.through_windows, pick, u, v, side);
+      sample_next_event(x1, light_context, render.through_windows, n.c, n.a, n.b, n.d);
   if (chosen.source == SOURCE_NONE || !(chosen.pdf > 0.0f)) return;
   Point x0 = point_on_light(chosen);
   Edge e = edge_between(x0, x1);
@@ -126,7 +96,7 @@ SHARED void put_connection(uint place, uint kind, uint light, vec3 from, bool fa
 /// the probability is spread equally.
 struct Resampling {
   float per_total;
-  float alike;
+  float equal_share;
   float count;  ///< number to choose; 0: take all
   float before;
 };
@@ -140,8 +110,8 @@ SHARED Resampling resampling_of(float total, uint not_zero, uint count, float u)
 SHARED bool takes(INOUT(Resampling) resampling, float estimate, OUT(float) chance) MEMBER_CONST {
   chance = 1.0f;
   if (resampling.count > 0.0f)
-    chance =
-        min(1.0f, resampling.count * (0.5f * estimate * resampling.per_total + resampling.alike));
+    chance = min(
+        1.0f, resampling.count * (0.5f * estimate * resampling.per_total + resampling.equal_share));
   float after = resampling.before + (estimate > 0.0f ? chance : 0.0f);
   bool taken = floor(after) > floor(resampling.before);
   resampling.before = after;
@@ -264,9 +234,6 @@ SHARED AtJoint at_joint(uint from, PathVertex v, PathDensity d, Scattering s, ve
                                v.per_prev, crossing_before(v));
   return j;
 }
-SHARED float survival_at(PathDensity d) MEMBER_CONST {
-  return number_of(d) <= 1u ? 1.0f : d.own_survival;
-}
 /// Whether a walk from the other end can hit the vertex before this one.
 SHARED bool is_met_behind(PathDensity d) MEMBER_CONST {
   return d.prev != kNoVertex && (load_path_density(d.prev).flags & VERTEX_MET) != 0u;
@@ -352,58 +319,75 @@ SHARED void see(uint i) MEMBER {
   connections[i].radiance = value;
 }
 
+/// The edge of a connection, and the densities across it.
+struct JoinedEdge {
+  bool to_camera;  ///< its camera end is the camera itself
+  AtJoint of_y;
+  AtJoint of_z;
+  float pair_A;     ///< p_AA of the edge
+  uint t;           ///< number of vertices from the camera
+  float z_goes_on;  ///< survival probability of the camera walk at z; 1 at its first two vertices
+};
+
+SHARED JoinedEdge joined_edge(Connection j, Joint joint) MEMBER {
+  JoinedEdge e;
+  e.to_camera = j.camera == kNoVertex;
+  float per_d2 = reciprocal(j.d2);
+  float per_y = cosine_to(joint.y, j.w) * per_d2;
+  float per_z = cosine_to(joint.z, j.w) * per_d2;
+  CrossingDensity crossing = no_crossing();
+  if (!e.to_camera) crossing = crossing_of(FROM_LIGHT, joint.y, joint.z, drawn_otherwise());
+  e.of_y = at_joint(FROM_LIGHT, joint.light, joint.of_light, joint.at_y, j.w, per_z, crossing);
+  e.of_z.onward_A = camera_pdf_w(-j.w) * per_y;
+  e.of_z.behind_A = 0.0f;
+  if (!e.to_camera)
+    e.of_z =
+        at_joint(FROM_CAMERA, joint.camera, joint.of_camera, joint.at_z, -j.w, per_y, crossing);
+  e.pair_A = crossing.density * cosine_to(joint.y, j.w) * per_z;
+  e.t = e.to_camera ? 1u : number_of(joint.of_camera) + 1u;
+  e.z_goes_on = e.to_camera ? 1.0f : chance_to_go_on(joint.of_camera);
+  return e;
+}
+
 /// Adds the path of a next event, of two connected walks, or of a light vertex that the camera
 /// sees; i: number of its scatterings.
 SHARED void connect(uint i) MEMBER {
   Connection j = load_connection(i);
   Joint joint = joint_of(j, i);
-  bool to_camera = j.kind == CONNECTION_SPLAT;
   bool next_event = j.kind == CONNECTION_NEXT_EVENT;
-  float per_d2 = reciprocal(j.d2);
-  float per_y = cosine_to(joint.y, j.w) * per_d2;
-  float per_z = cosine_to(joint.z, j.w) * per_d2;
-  CrossingDensity crossing = no_crossing();
-  if (!to_camera) crossing = crossing_of(FROM_LIGHT, joint.y, joint.z, drawn_otherwise());
   if (next_event && scene_has_portals && guide_active)
     joint.light.guide_total_emitted = guide_totals_at_light(joint.y).emitted;
-  AtJoint of_y =
-      at_joint(FROM_LIGHT, joint.light, joint.of_light, joint.at_y, j.w, per_z, crossing);
-  AtJoint of_z = {camera_pdf_w(-j.w) * per_y, 0.0f};
-  if (!to_camera)
-    of_z = at_joint(FROM_CAMERA, joint.camera, joint.of_camera, joint.at_z, -j.w, per_y, crossing);
+  JoinedEdge e = joined_edge(j, joint);
   uint s = next_event ? 1u : number_of(joint.of_light) + 1u;
-  uint t = to_camera ? 1u : number_of(joint.of_camera) + 1u;
-  uint k = s + t - 1u;
-  // Walks always survive their first two vertices.
-  float y_goes_on = next_event ? 1.0f : survival_at(joint.of_light);
-  float z_goes_on = to_camera ? 1.0f : survival_at(joint.of_camera);
+  uint k = s + e.t - 1u;
+  float y_goes_on = next_event ? 1.0f : chance_to_go_on(joint.of_light);
+  float camera_A = is_met(joint.y) ? e.z_goes_on * e.of_z.onward_A : 0.0f;
   OF_FLOAT(Half) light = no_half();
   if (!next_event) {
     light.slot = j.light;
-    light.first_A = is_met(joint.y) ? z_goes_on * of_z.onward_A : 0.0f;
+    light.first_A = camera_A;
     if (is_met_behind(joint.of_light))
-      light.second_A = (t <= 1u ? 1.0f : joint.at_y.survival_behind) * of_y.behind_A;
+      light.second_A = (e.t <= 1u ? 1.0f : joint.at_y.survival_behind) * e.of_y.behind_A;
   }
   OF_FLOAT(Half) camera = no_half();
-  if (!to_camera) {
+  if (!e.to_camera) {
     camera.slot = j.camera;
-    camera.first_A = y_goes_on * of_y.onward_A;
+    camera.first_A = y_goes_on * e.of_y.onward_A;
     if (joint.of_camera.prev != kNoVertex)
-      camera.second_A = (s <= 1u ? 1.0f : joint.at_z.survival_behind) * of_z.behind_A;
+      camera.second_A = (s <= 1u ? 1.0f : joint.at_z.survival_behind) * e.of_z.behind_A;
   }
-  float pair_A = crossing.density * cosine_to(joint.y, j.w) * per_z;
   float weight;
-  uint technique = to_camera ? TECHNIQUE_LIGHT : TECHNIQUE_BI;
+  uint technique = e.to_camera ? TECHNIQUE_LIGHT : TECHNIQUE_BI;
   if (next_event) {
     technique = TECHNIQUE_DIRECT;
-    float camera_A = is_met(joint.y) ? z_goes_on * of_z.onward_A : 0.0f;
     weight = share_of(weight_of_direct(k),
-                      strategies_of_next_event(camera, k, j.nee_A, j.light_A, camera_A, pair_A));
+                      strategies_of_next_event(camera, k, j.nee_A, j.light_A, camera_A, e.pair_A));
   } else {
-    weight = share_of(weight_of_split(s, k), strategies_of_connected(light, camera, s, k, pair_A));
+    weight =
+        share_of(weight_of_split(s, k), strategies_of_connected(light, camera, s, k, e.pair_A));
   }
   uint walk =
-      to_camera ? joint.light.walk / render.walks_full : joint.camera.walk / render.per_cache;
+      e.to_camera ? joint.light.walk / render.walks_full : joint.camera.walk / render.per_cache;
   add_found(technique, j.pixel, k, sample_of_group(walk, 0u).number, j.radiance, weight);
 }
 
@@ -435,32 +419,6 @@ SHARED void meet_light(uint slot) MEMBER {
         share_of(weight_of_split(0u, k), strategies_of_connected(no_half(), camera, 0u, k, 0.0f));
   }
   add_found(TECHNIQUE_CAMERA, name.pixel, k, name.number, at.throughput * Le, weight);
-}
-
-// Lists the ends of light walks for connections, cache by cache, with the data that estimates need
-// [connection_estimates.h].
-
-/// Of a light vertex that can be connected.
-SHARED void list_end(uint slot) MEMBER {
-  PathDensity d = load_path_density(slot);
-  if ((d.flags & VERTEX_THERE) == 0u || (d.flags & VERTEX_CONNECTIBLE) == 0u) return;
-  PathVertex v = load_path_vertex(slot);
-  ConnectionEnd end = connection_end(kept_point(slot, v), v.back, v.throughput, slot, number_of(d));
-  connection_ends[scattered_ends() + load_end_first(v.walk) + v.ordinal] = end;
-}
-/// Of y_0 of a light walk.
-SHARED void list_start(uint walk) MEMBER {
-  PathVertex v = load_path_vertex(walk);
-  PathDensity d = load_path_density(walk);
-  if ((d.flags & VERTEX_THERE) == 0u) return;
-  Point y0 = kept_point(walk, v);
-  ConnectionEnd end = connection_end(y0, v.back, v.throughput, walk, 0u);
-  // About what leaves it; the exact direction is evaluated once it is chosen.
-  vec3 straight = at_infinity(y0) ? y0.position : y0.normal;
-  end.carried = v.throughput * emitted(y0, straight);
-  end.facing = v.facing;
-  if (at_infinity(y0)) end.alpha2 = -1.0f;
-  connection_ends[walk] = end;
 }
 
 #include "shaders/shared/language_end.h"

@@ -4,20 +4,34 @@
 // Between diffuse ends only rounding differs from the exact value; for glossy ends masking and the
 // Fresnel curve are approximate. Half of the probability is spread equally, so that nothing is lost
 // where an estimate is too small, and a chosen pair is divided by its probability.
-#ifndef TDPT_SHADERS_SHARED_PATH_JOINS_H
-#define TDPT_SHADERS_SHARED_PATH_JOINS_H
-
-#include "shaders/shared/path/point.h"
-#include "shaders/shared/path/render_layout.h"
+//
+// Include after walk.h, where connection_ends[] and load_end_first() are.
 
 #include "shaders/shared/language.h"
 
-SHARED_BEGIN
+// Order of connection_ends[]: y_0 of all walks, then the ends x_c of segments by their numbers,
+// then all other light vertices, cache by cache.
+SHARED uint segment_ends() MEMBER_CONST {
+  return render.groups * render.walks_full;
+}
+SHARED uint scattered_ends() MEMBER_CONST {
+  return render.groups * (render.walks_full + render.per_cache);
+}
+/// Index, within the last part, of a cache's first end.
+SHARED uint first_end(uint group) MEMBER_CONST {
+  return load_end_first(group * render.walks_full);
+}
+/// Index of a cache's end c: first its scattered vertices, then its y_0.
+SHARED uint place_of_end(uint group, uint c) MEMBER_CONST {
+  uint first = first_end(group);
+  uint n = first_end(group + 1u) - first;
+  return c < n ? scattered_ends() + first + c : group * render.walks_full + c - n;
+}
 
 /// The end of a walk with this throughput that arrived along -back.
-SHARED ConnectionEnd connection_end(Point p, vec3 back, vec3 throughput, uint slot, uint number) {
-  const float kInvPi = 0.318309886f;
-  ConnectionEnd e;
+SHARED ConnectionEnd connection_end(Point p, vec3 back, vec3 throughput, uint slot,
+                                    uint number) MEMBER_CONST {
+  ConnectionEnd e = zero_ConnectionEnd();
   e.position = p.position;
   e.slot = slot;
   e.number = number;
@@ -27,15 +41,9 @@ SHARED ConnectionEnd connection_end(Point p, vec3 back, vec3 throughput, uint sl
   e.facing = begins || transmits ? vec3(0.0f, 0.0f, 0.0f) : side;
   e.back = back;
   e.normal = side;
-  e.alpha2 = 0.0f;
   e.cosine = 1.0f;
-  e.f0 = vec3(0.0f, 0.0f, 0.0f);
-  e.more = vec3(0.0f, 0.0f, 0.0f);
-  e.light0 = 0.0f;
-  e.light1 = 0.0f;
-  e.light2 = 0.0f;
   if (p.simple || begins) {
-    e.carried = throughput * (begins ? vec3(1.0f, 1.0f, 1.0f) : p.color) * kInvPi;
+    e.carried = throughput * (begins ? vec3(1.0f, 1.0f, 1.0f) : p.color) * INVERSE_PI;
     return e;
   }
   float c = dot(p.shading, back);
@@ -48,12 +56,12 @@ SHARED ConnectionEnd connection_end(Point p, vec3 back, vec3 throughput, uint sl
                    max(1.0f - p.bsdf.f0.z, 0.05f));
   float coat = 0.1f * p.bsdf.coat.strength;
   vec3 above = p.bsdf.sheen * 0.3f + vec3(coat, coat, coat);
-  e.carried = throughput * (p.bsdf.diffuse * left + above) * kInvPi;
+  e.carried = throughput * (p.bsdf.diffuse * left + above) * INVERSE_PI;
   return e;
 }
 
 /// Scattering of an end along unit w: its diffuse lobe and that of the interface.
-SHARED vec3 roughly_scattered(ConnectionEnd e, vec3 w) {
+SHARED vec3 roughly_scattered(ConnectionEnd e, vec3 w) MEMBER_CONST {
   if (!(e.alpha2 > 0.0f)) return e.carried;
   vec3 h = e.back + w;
   float scale = inverse_root(dot(h, h) + 1e-12f);
@@ -72,7 +80,7 @@ SHARED vec3 roughly_scattered(ConnectionEnd e, vec3 w) {
 }
 
 /// Luminance of the light from `l` to `c`, at most 1e30; 0 if there is none.
-SHARED float estimate_connection(ConnectionEnd l, ConnectionEnd c) {
+SHARED float estimate_connection(ConnectionEnd l, ConnectionEnd c) MEMBER_CONST {
   bool far = l.alpha2 < 0.0f;
   vec3 d = far ? l.position : c.position - l.position;
   float d2 = max(dot(d, d), 1e-30f);
@@ -84,8 +92,30 @@ SHARED float estimate_connection(ConnectionEnd l, ConnectionEnd c) {
   return min(luminance(brought) * sent * met * reciprocal(d2), 1e30f);
 }
 
-SHARED_END
+// Lists the ends of light walks for connections, cache by cache, with the data that estimates need
+// [connection_estimates.h].
+
+/// Of a light vertex that can be connected.
+SHARED void list_end(uint slot) MEMBER {
+  PathDensity d = load_path_density(slot);
+  if ((d.flags & VERTEX_THERE) == 0u || (d.flags & VERTEX_CONNECTIBLE) == 0u) return;
+  PathVertex v = load_path_vertex(slot);
+  ConnectionEnd end = connection_end(kept_point(slot, v), v.back, v.throughput, slot, number_of(d));
+  connection_ends[scattered_ends() + load_end_first(v.walk) + v.ordinal] = end;
+}
+/// Of y_0 of a light walk.
+SHARED void list_start(uint walk) MEMBER {
+  PathVertex v = load_path_vertex(walk);
+  PathDensity d = load_path_density(walk);
+  if ((d.flags & VERTEX_THERE) == 0u) return;
+  Point y0 = kept_point(walk, v);
+  ConnectionEnd end = connection_end(y0, v.back, v.throughput, walk, 0u);
+  // About what leaves it; the exact direction is evaluated once it is chosen.
+  vec3 straight = at_infinity(y0) ? y0.position : y0.normal;
+  end.carried = v.throughput * emitted(y0, straight);
+  end.facing = v.facing;
+  if (at_infinity(y0)) end.alpha2 = -1.0f;
+  connection_ends[walk] = end;
+}
 
 #include "shaders/shared/language_end.h"
-
-#endif

@@ -117,7 +117,6 @@ SHARED float camera_pdf_w(vec3 w) MEMBER_CONST {
 // Random dimensions of a walk: those of its start, then those of each bounce, used or not, so that
 // a dimension means the same in every sample.
 const uint kPerBounce = 8u;
-const uint kAimDimension = 4u;
 
 struct SampleName {
   uint pixel;
@@ -154,6 +153,22 @@ SHARED Sequence numbers_of(SampleName s, uint purpose) MEMBER_CONST {
 }
 SHARED float uniform_of(INOUT(Sequence) numbers) MEMBER_CONST {
   return unit_float(high_word(random_bits(numbers)));
+}
+
+struct FourNumbers {
+  float a;
+  float b;
+  float c;
+  float d;
+};
+/// The next four numbers, each in [0,1).
+SHARED FourNumbers four_numbers_of(INOUT(Sequence) numbers) MEMBER_CONST {
+  FourNumbers n;
+  n.a = uniform_of(numbers);
+  n.b = uniform_of(numbers);
+  n.c = uniform_of(numbers);
+  n.d = uniform_of(numbers);
+  return n;
 }
 
 #include "shaders/shared/language_end.h"

@@ -1,7 +1,6 @@
 // Test only: many invocations add to a few sums.
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#include "shaders/shared/path/film_units.h"
 #include "shaders/shared/rng.h"
 layout(local_size_x = 64) in;
 layout(std430, binding = 0) buffer Film { uint film_words[]; };

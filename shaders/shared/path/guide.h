@@ -67,9 +67,8 @@ SHARED CrossingDensity edge_crossing(IN(Point) a, IN(Point) b, Drawn drawn) MEMB
   return c;
 }
 
-SHARED REAL guide_total_at(IN(Point) p, VEC3 facing, uint from) MEMBER_CONST {
-  if (source_at_infinity(p.source)) return portal_guide_total_along(p.position);
-  return portal_guide_totals(p.position, facing, from);
+SHARED REAL emitted_guide_total(IN(Point) p, VEC3 facing) MEMBER_CONST {
+  return portal_guide_total(source_at_infinity(p.source), p.position, facing, FROM_LIGHT);
 }
 
 /// Normal on the side of the surface at `p` that holds all edges of a path with one along `away`; 0
@@ -83,11 +82,13 @@ SHARED VEC3 guide_facing(IN(Point) p, VEC3 away) MEMBER_CONST {
 SHARED GuideTotals guide_totals_at_surface(IN(Point) p, VEC3 away) MEMBER_CONST {
   GuideTotals guide_totals = {guide_facing(p, away), 0.0f, 0.0f, 0.0f};
   if (!scene_has_portals || !guide_active) return guide_totals;
-  if (p.connectible)
-    portal_guide_totals(p.position, guide_totals.facing, guide_totals.from_light,
-                        guide_totals.from_camera);
+  if (p.connectible) {
+    VEC3 facing = guide_totals.facing;
+    guide_totals.from_light = portal_guide_total(false, p.position, facing, FROM_LIGHT);
+    guide_totals.from_camera = portal_guide_total(false, p.position, facing, FROM_CAMERA);
+  }
   if (p.source != SOURCE_NONE)
-    guide_totals.emitted = guide_total_at(p, source_facing(p.source, p.normal), FROM_LIGHT);
+    guide_totals.emitted = emitted_guide_total(p, source_facing(p.source, p.normal));
   return guide_totals;
 }
 
@@ -95,7 +96,7 @@ SHARED GuideTotals guide_totals_at_surface(IN(Point) p, VEC3 away) MEMBER_CONST 
 SHARED GuideTotals guide_totals_at_light(IN(Point) y0) MEMBER_CONST {
   GuideTotals guide_totals = {source_facing(y0.source, y0.normal), 0.0f, 0.0f, 0.0f};
   if (!scene_has_portals || !guide_active) return guide_totals;
-  guide_totals.emitted = guide_total_at(y0, guide_totals.facing, FROM_LIGHT);
+  guide_totals.emitted = emitted_guide_total(y0, guide_totals.facing);
   return guide_totals;
 }
 
@@ -167,7 +168,8 @@ SHARED bool guide_leave(IN(Point) y0, IN(GuideTotals) guide_totals, REAL u0, REA
   }
   if (!(guide_totals.emitted > 0.0f && u3 < render.guide_light)) return false;
   VEC3 at = VEC3(0.0f);
-  triangle = draw_parallel_through_portal(direction, guide_totals.emitted, u0, u1, u2, at);
+  triangle =
+      draw_on_portal(true, direction, VEC3(0.0f), FROM_LIGHT, guide_totals.emitted, u0, u1, u2, at);
   origin = before_the_scene(at, direction);
   return true;
 }

@@ -28,6 +28,8 @@
 
 #include "shaders/shared/path/walk.h"
 
+#include "shaders/shared/path/connection_estimates.h"
+
 #include "shaders/shared/path/connect.h"
 
 #include "shaders/shared/path/segments.h"

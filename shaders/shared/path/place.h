@@ -183,17 +183,22 @@ SHARED void add_layers(Face face, SurfaceMaterial m, SurfacePlace at, INOUT(Poin
   if ((m.flags & MATERIAL_PLAIN) == 0u) put_material(m, bent_coat, coat_normal, p);
 }
 
+/// A diffuse point that does not emit.
+SHARED Point simple_point(vec3 position, vec3 normal, uint triangle, uint material,
+                          vec3 color) MEMBER_CONST {
+  InSky in_sky = {vec3(0.0f), 0.0f, 0.0f};
+  Point p = {position, normal, normal, triangle,   material, SOURCE_NONE,
+             true,     true,   color,  vec3(0.0f), in_sky,   diffuse_bsdf(color)};
+  return p;
+}
+
 /// Sets `p` to the point of a face at barycentrics b1, b2 of its second and third corner.
 SHARED void place_on_surface(uint triangle, float b1, float b2, OUT(Point) p) MEMBER_CONST {
   SurfacePlace at = {triangle, b1, b2};
   Face face = load_face(triangle);
   SurfaceMaterial m = material_at(face.material, at);
   vec3 position = face.p0 + face.e1 * b1 + face.e2 * b2;
-  InSky in_sky = {vec3(0.0f), 0.0f, 0.0f};
-  Point at_place = {position,      face.normal, face.normal, triangle,
-                    face.material, SOURCE_NONE, true,        true,
-                    m.base_color,  vec3(0.0f),  in_sky,      diffuse_bsdf(m.base_color)};
-  p = at_place;
+  p = simple_point(position, face.normal, triangle, face.material, m.base_color);
   bool is_plain = (m.flags & MATERIAL_PLAIN) != 0u;
   bool is_flat = !scene_has_normals || face.smoothed == 0u;
   if (scene_has_layers && !(is_plain && is_flat)) add_layers(face, m, at, p);

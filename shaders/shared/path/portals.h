@@ -119,8 +119,8 @@ SHARED REAL portal_density_of_pairs(uint k, VEC3 from, VEC3 to, VEC3 d, REAL per
     int ways = of_f.triangles * of_g.triangles;  // combinations of triangles that give this line
     if (ways > 0) {
       REAL per_g = reciprocal(of_g.cosine);
-      REAL apart = of_g.before * per_g - of_f.before * per_f;
-      all += REAL(ways) * pair.pdf * (apart * apart) * (per_f * per_g);
+      REAL distance = of_g.before * per_g - of_f.before * per_f;
+      all += REAL(ways) * pair.pdf * (distance * distance) * (per_f * per_g);
     }
   }
   return all;
@@ -251,88 +251,57 @@ SHARED bool portal_above(IN(PortalFacet) f, VEC3 v, VEC3 facing) MEMBER_CONST {
   return above;
 }
 
-/// W at `v` for walks from either end: over the facets that have v on the side where such walks
-/// begin, and a corner on the side of v that `facing` looks to (0: either). 0: nothing to aim at.
-SHARED void portal_guide_totals(VEC3 v, VEC3 facing, OUT(REAL) from_light,
-                                OUT(REAL) from_camera) MEMBER_CONST {
-  REAL of_light = 0.0f;
-  REAL of_camera = 0.0f;
-  uint facets = scene_has_portals ? guiding.facets : 0u;
-  for (uint f = 0u; f < facets; ++f) {
-    IN(PortalFacet) facet = load_portal_facet(f);
-    REAL height = portal_height(facet, v);
-    REAL weight = portal_above(facet, v, facing) ? portal_weight(facet, v) : REAL(0.0f);
-    of_light += height < -kPortalMargin ? weight : REAL(0.0f);
-    of_camera += height > kPortalMargin ? weight : REAL(0.0f);
+/// w_F(v) for walks from one end at v; 0 if they do not aim at the facet: they begin on its other
+/// side, or no corner is on the side of v that `facing` looks to (0: either). `parallel`: v is the
+/// unit direction of parallel light, and the weight A_F cos_F; 0 if edge-on or from the front.
+SHARED REAL aiming_weight(IN(PortalFacet) f, bool parallel, VEC3 v, VEC3 facing,
+                          uint from) MEMBER_CONST {
+  if (parallel) {
+    REAL cosine = dot(f.normal, v);
+    return cosine > kPortalEdgeOn ? f.area * cosine : REAL(0.0f);
   }
-  from_light = of_light;
-  from_camera = of_camera;
-}
-/// The same for walks from one end.
-SHARED REAL portal_guide_totals(VEC3 v, VEC3 facing, uint from) MEMBER_CONST {
-  REAL from_light = 0.0f;
-  REAL from_camera = 0.0f;
-  portal_guide_totals(v, facing, from_light, from_camera);
-  return from == FROM_LIGHT ? from_light : from_camera;
+  REAL height = portal_height(f, v);
+  if (!((from == FROM_LIGHT ? -height : height) > kPortalMargin)) return 0.0f;
+  return portal_above(f, v, facing) ? portal_weight(f, v) : REAL(0.0f);
 }
 
-/// Samples a unit direction from `v` towards a facet; W must be that of portal_guide_totals() for
-/// the same arguments, and positive. `u`, `v_`: place on the facet; `pick`: chooses it. Returns the
-/// triangle aimed at.
-SHARED int draw_towards_portal(VEC3 v, VEC3 facing, uint from, REAL W, REAL u, REAL v_, REAL pick,
-                               OUT(VEC3) w) MEMBER_CONST {
+/// W: the sum of those weights; 0: nothing to aim at.
+SHARED REAL portal_guide_total(bool parallel, VEC3 v, VEC3 facing, uint from) MEMBER_CONST {
+  REAL sum = 0.0f;
+  uint facets = scene_has_portals ? guiding.facets : 0u;
+  for (uint f = 0u; f < facets; ++f)
+    sum += aiming_weight(load_portal_facet(f), parallel, v, facing, from);
+  return sum;
+}
+
+/// Samples a point on a facet that walks from v, or parallel light along v, aim at; W must be that
+/// of portal_guide_total() for the same arguments, and positive. `u`, `v_`: place on the facet;
+/// `pick`: chooses it. Returns the triangle aimed at.
+SHARED int draw_on_portal(bool parallel, VEC3 v, VEC3 facing, uint from, REAL W, REAL u, REAL v_,
+                          REAL pick, OUT(VEC3) at) MEMBER_CONST {
   REAL rest = pick * W;
   uint chosen = 0u;
   REAL weight = 1.0f;
   for (uint f = 0u; f < guiding.facets; ++f) {
-    IN(PortalFacet) facet = load_portal_facet(f);
-    REAL height = portal_height(facet, v);
-    if (!((from == FROM_LIGHT ? -height : height) > kPortalMargin)) continue;
-    if (!portal_above(facet, v, facing)) continue;
+    REAL of_facet = aiming_weight(load_portal_facet(f), parallel, v, facing, from);
+    if (!(of_facet > 0.0f)) continue;
     chosen = f;
-    weight = portal_weight(facet, v);
+    weight = of_facet;
     rest -= weight;
     if (rest < 0.0f) break;
   }
   // The remainder of the number that chose the facet chooses the triangle within it.
   REAL within = min(max(1.0f + rest * reciprocal(weight), 0.0f), 1.0f);
   int polygon = 0;
-  VEC3 at = point_on_facet(chosen, within, u, v_, polygon);
-  w = normalized(at - v);
+  at = point_on_facet(chosen, within, u, v_, polygon);
   return polygon;
 }
-
-/// A_F cos_F for parallel light along unit d; 0 if edge-on or from the front.
-SHARED REAL portal_across(IN(PortalFacet) f, VEC3 d) MEMBER_CONST {
-  REAL cosine = dot(f.normal, d);
-  return cosine > kPortalEdgeOn ? f.area * cosine : REAL(0.0f);
-}
-
-/// W of parallel light that travels along unit `d`.
-SHARED REAL portal_guide_total_along(VEC3 d) MEMBER_CONST {
-  REAL sum = 0.0f;
-  if (!scene_has_portals) return sum;
-  for (uint f = 0u; f < guiding.facets; ++f) sum += portal_across(load_portal_facet(f), d);
-  return sum;
-}
-
-/// Samples the point through which a line of parallel light goes; returns the triangle it lies on.
-SHARED int draw_parallel_through_portal(VEC3 d, REAL W, REAL u, REAL v, REAL pick,
-                                        OUT(VEC3) at) MEMBER_CONST {
-  REAL rest = pick * W;
-  uint chosen = 0u;
-  REAL weight = 1.0f;
-  for (uint f = 0u; f < guiding.facets; ++f) {
-    REAL across = portal_across(load_portal_facet(f), d);
-    if (!(across > 0.0f)) continue;
-    chosen = f;
-    weight = across;
-    rest -= weight;
-    if (rest < 0.0f) break;
-  }
-  REAL within = min(max(1.0f + rest * reciprocal(weight), 0.0f), 1.0f);
-  int polygon = 0;
-  at = point_on_facet(chosen, within, u, v, polygon);
+/// The unit direction from v towards such a point.
+SHARED int draw_towards_portal(VEC3 v, VEC3 facing, uint from, REAL W, REAL u, REAL v_, REAL pick,
+                               OUT(VEC3) w) MEMBER_CONST {
+  VEC3 at = VEC3(0.0f);
+  int polygon = draw_on_portal(false, v, facing, from, W, u, v_, pick, at);
+  w = normalized(at - v);
   return polygon;
 }
 

@@ -7,19 +7,7 @@
 
 SHARED Point empty_point() MEMBER_CONST {
   vec3 none = vec3(0.0f);
-  Point p = {none,
-             none,
-             none,
-             kNoTriangle,
-             0u,
-             SOURCE_NONE,
-             true,
-             true,
-             none,
-             none,
-             {none, 0.0f, 0.0f},
-             diffuse_bsdf(none)};
-  return p;
+  return simple_point(none, none, kNoTriangle, 0u, none);
 }
 
 /// Random number by which one ray decides whether non-opaque surfaces stop it.

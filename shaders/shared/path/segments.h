@@ -20,16 +20,10 @@ SHARED void begin_segment(uint segment) MEMBER {
   uint i = segment % render.per_cache;
   if (i >= samples_of_cache(cache_of_group(group)) || render.max_depth < 2u) return;
   Sequence numbers = numbers_of(sample_of_group(group, i), PURPOSE_SEGMENT);
-  float u0 = uniform_of(numbers);
-  float u1 = uniform_of(numbers);
-  float u2 = uniform_of(numbers);
-  float u3 = uniform_of(numbers);
-  float u4 = uniform_of(numbers);
-  float u5 = uniform_of(numbers);
-  float u6 = uniform_of(numbers);
-  float drawn = uniform_of(numbers);
-  if (!(drawn < render.segments)) return;
-  SegmentDraw draw = sample_segment(u0, u1, u2, u3, u4, u5, u6);
+  FourNumbers u = four_numbers_of(numbers);
+  FourNumbers more = four_numbers_of(numbers);
+  if (!(more.d < render.segments)) return;
+  SegmentDraw draw = sample_segment(u.a, u.b, u.c, u.d, more.a, more.b, more.c);
   count_drawn(draw.portal);
   segments[segment].portal = draw.portal;
   WalkRay ray = no_ray(segment);
@@ -44,7 +38,9 @@ SHARED void begin_segment(uint segment) MEMBER {
 }
 
 SHARED SegmentSide empty_side(vec3 value, uint slot) MEMBER_CONST {
-  SegmentSide side = {value, slot, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f};
+  SegmentSide side = zero_SegmentSide();
+  side.value = value;
+  side.slot = slot;
   return side;
 }
 
@@ -55,24 +51,11 @@ SHARED void end_segment(uint i) MEMBER {
   WalkRay ray = load_walk_ray(i);
   bool met = ray.triangle != kNoTriangle;
   if ((ray.flags & RAY_THERE) == 0u || (!met && !scene_has_sky)) return;
-  Point p;
-  if (met)
-    place_on_surface(ray.triangle, ray.b1, ray.b2, p);
-  else
-    p = point_in_sky(ray.w);
-  PathVertex v = empty_vertex(ray.walk);
-  keep_point(slot, p, v);
-  v.back = -ray.w;
-  v.facing = guide_facing(p, v.back);
+  Point p = point_reached(ray);
+  PathVertex v = vertex_reached(slot, ray, p, -ray.w, has_technique(TECHNIQUE_DIRECT) && met);
   // Only the coverage of a pane: put_segment_together() moves it into the segment.
   if (met && scene_has_panes)
     v.throughput = v.throughput * reciprocal(opacity_at(ray.triangle, ray.w));
-  if (scene_has_portals && guide_active)
-    keep_guide_totals(v, met ? guide_totals_at_surface(p, v.back) : guide_totals_at_light(p));
-  LightContext light_context = light_context_of(v);
-  if (has_technique(TECHNIQUE_DIRECT) && met) look_out(p, v.facing, light_context);
-  v.seen = light_context.seen;
-  v.sent = light_context.sent;
   path_vertices[slot] = v;
   PathDensity d = empty_density();
   uint from = (i & 1u) == 0u ? FROM_CAMERA : FROM_LIGHT;  // of walks that arrive from the other end
@@ -164,21 +147,14 @@ SHARED void connect_side(uint i) MEMBER {
   uint segment = j.pixel;
   uint place = segment * kSegmentSides + 1u + (i & 1u);
   Joint joint = joint_of(j, i);
-  CrossingDensity crossing = crossing_of(FROM_LIGHT, joint.y, joint.z, drawn_otherwise());
-  float per_d2 = reciprocal(j.d2);
-  float per_y = cosine_to(joint.y, j.w) * per_d2;
-  float per_l = cosine_to(joint.z, j.w) * per_d2;
-  AtJoint of_y =
-      at_joint(FROM_LIGHT, joint.light, joint.of_light, joint.at_y, j.w, per_l, crossing);
-  AtJoint of_l =
-      at_joint(FROM_CAMERA, joint.camera, joint.of_camera, joint.at_z, -j.w, per_y, crossing);
+  JoinedEdge e = joined_edge(j, joint);
   uint a = number_of(joint.of_light) + 1u;
   SegmentSide side = empty_side(j.radiance, j.light);
-  side.light_A0 = survival_at(joint.of_light) * of_y.onward_A;
-  side.light_A1 = (a <= 1u ? 1.0f : joint.at_z.survival_behind) * of_l.behind_A;
-  side.first_A = is_met(joint.y) ? joint.of_camera.own_survival * of_l.onward_A : 0.0f;
-  side.second_A = is_met_behind(joint.of_light) ? joint.at_y.survival_behind * of_y.behind_A : 0.0f;
-  side.pair_before = crossing.density * cosine_to(joint.y, j.w) * per_l;
+  side.light_A0 = chance_to_go_on(joint.of_light) * e.of_y.onward_A;
+  side.light_A1 = (a <= 1u ? 1.0f : joint.at_z.survival_behind) * e.of_z.behind_A;
+  side.first_A = is_met(joint.y) ? e.z_goes_on * e.of_z.onward_A : 0.0f;
+  if (is_met_behind(joint.of_light)) side.second_A = joint.at_y.survival_behind * e.of_y.behind_A;
+  side.pair_before = e.pair_A;
   if (a == 1u && has_technique(TECHNIQUE_DIRECT)) {
     if (scene_has_sky && joint.y.source == SOURCE_SKY)
       joint.y.in_sky = look_at_sky(-joint.y.position);
@@ -316,36 +292,26 @@ SHARED void choose_segments(uint walk, uint place, uint first_slot) MEMBER {
 SHARED void connect_segment(uint i) MEMBER {
   Connection j = load_connection(i);
   Joint joint = joint_of(j, i);
-  bool to_camera = j.kind == CONNECTION_SEEN;
   PortalSegment s = load_segment(j.light);
-  float per_d2 = reciprocal(j.d2);
-  float per_c = cosine_to(joint.y, j.w) * per_d2;
-  float per_z = cosine_to(joint.z, j.w) * per_d2;
-  CrossingDensity after = no_crossing();
-  if (!to_camera) after = crossing_of(FROM_LIGHT, joint.y, joint.z, drawn_otherwise());
-  AtJoint of_c = at_joint(FROM_LIGHT, joint.light, joint.of_light, joint.at_y, j.w, per_z, after);
-  AtJoint of_z = {camera_pdf_w(-j.w) * per_c, 0.0f};
-  if (!to_camera)
-    of_z = at_joint(FROM_CAMERA, joint.camera, joint.of_camera, joint.at_z, -j.w, per_c, after);
-  uint t = to_camera ? 1u : number_of(joint.of_camera) + 1u;
+  JoinedEdge e = joined_edge(j, joint);
   OF_FLOAT(Half) camera = no_half();
   OF_FLOAT(SegmentDensities) x;
   x.pair_A = s.pair_A;
-  x.camera_A0 = (to_camera ? 1.0f : joint.at_y.survival_behind) * of_c.behind_A;
-  x.camera_A1 = (to_camera ? 1.0f : survival_at(joint.of_camera)) * of_z.onward_A;
-  x.pair_after = after.density * per_c * cosine_to(joint.z, j.w);
-  if (!to_camera) {
+  x.camera_A0 = (e.to_camera ? 1.0f : joint.at_y.survival_behind) * e.of_y.behind_A;
+  x.camera_A1 = e.z_goes_on * e.of_z.onward_A;
+  x.pair_after = e.pair_A;
+  if (!e.to_camera) {
     camera.slot = j.camera;
     if (joint.of_camera.prev != kNoVertex)
-      camera.second_A = joint.at_z.survival_behind * of_z.behind_A;
+      camera.second_A = joint.at_z.survival_behind * e.of_z.behind_A;
   }
-  uint group = to_camera ? j.light / render.per_cache : joint.camera.walk / render.per_cache;
+  uint group = e.to_camera ? j.light / render.per_cache : joint.camera.walk / render.per_cache;
   word64 number = sample_of_group(group, 0u).number;
   for (uint side_number = 0u; side_number < kSegmentSides; ++side_number) {
     if ((s.there >> side_number & 1u) == 0u) continue;
     SegmentSide side = load_segment_side(j.light * kSegmentSides + side_number);
     uint a = prefix_of(side);
-    uint k = a + t + 1u;
+    uint k = a + e.t + 1u;
     if (k > render.max_depth) continue;
     x.light_A0 = side.light_A0;
     x.light_A1 = side.light_A1;
@@ -355,7 +321,8 @@ SHARED void connect_segment(uint i) MEMBER {
     light.slot = side.slot;
     light.first_A = side.first_A;
     light.second_A = side.second_A;
-    if (!to_camera) camera.first_A = (a == 0u ? 1.0f : joint.of_light.own_survival) * of_c.onward_A;
+    if (!e.to_camera)
+      camera.first_A = (a == 0u ? 1.0f : joint.of_light.own_survival) * e.of_y.onward_A;
     float weight = share_of(weight_of_portal(a, k), strategies_of_segment(light, camera, a, k, x));
     float found = add_found(TECHNIQUE_PORTAL, j.pixel, k, number, side.value * j.radiance, weight);
     if (found > 0.0f) count_lit(s.portal, atomicAdd(segments[j.light].lit, 1u) == 0u, found);

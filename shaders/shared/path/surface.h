@@ -32,12 +32,8 @@
 /// (unit). `dirac`: by a Dirac lobe; then f is meaningless. survival_behind is that of an unguided
 /// walk: the albedo.
 SHARED Scattering scattering_at(Point p, uint from, vec3 back, vec3 w, bool dirac) MEMBER_CONST {
-  Scattering s;
-  s.pad0 = 0.0f;
-  s.pad1 = 0.0f;
-  s.dirac = 0.0f;
+  Scattering s = zero_Scattering();
   s.broad = 1.0f;
-  s.dirac_behind = 0.0f;
   s.broad_behind = 1.0f;
   if (!is_layered(p)) {
     s.f = !dirac && same_side(p, back, w) ? p.color * INVERSE_PI : vec3(0.0f);

@@ -6,8 +6,6 @@
 
 #include "shaders/shared/bvh.h"
 #include "shaders/shared/elementary.h"
-#include "shaders/shared/path/connection_estimates.h"
-#include "shaders/shared/path/film_units.h"
 #include "shaders/shared/path/lights_layout.h"
 #include "shaders/shared/path/microfacet.h"
 #include "shaders/shared/path/point.h"
@@ -58,6 +56,27 @@
   WORDS(22, film_words, words_of_film)
 
 SHARED_BEGIN
+
+// zero_T(): a record T that is 0 in all members.
+#define ZERO_VEC(a, type, b) \
+  r.a = vec3(0.0f);          \
+  r.b = type(0);
+#define ZERO_WORDS(type0, a, type1, b, type2, c, type3, d) \
+  r.a = type0(0);                                          \
+  r.b = type1(0);                                          \
+  r.c = type2(0);                                          \
+  r.d = type3(0);
+#define ZERO(T)                                     \
+  SHARED T zero_##T() {                             \
+    T r;                                            \
+    TEXELS_OF_##T(ZERO_VEC, ZERO_WORDS, ) return r; \
+  }
+ZERO(PathVertex)
+ZERO(WalkRay)
+ZERO(Scattering)
+ZERO(Connection)
+ZERO(ConnectionEnd)
+ZERO(SegmentSide)
 
 /// Where each table begins among the texels of the submission or of the scene.
 struct FirstTexels {

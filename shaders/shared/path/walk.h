@@ -128,11 +128,11 @@ SHARED uint number_of(PathDensity d) MEMBER_CONST {
   return d.flags & VERTEX_NUMBER;
 }
 SHARED uint flags_of(Point p, uint number) MEMBER_CONST {
-  uint told = number | VERTEX_THERE;
-  if (p.connectible) told |= VERTEX_CONNECTIBLE;
-  if (is_met(p)) told |= VERTEX_MET;
-  if (at_infinity(p)) told |= VERTEX_INFINITE;
-  return told;
+  uint flags_here = number | VERTEX_THERE;
+  if (p.connectible) flags_here |= VERTEX_CONNECTIBLE;
+  if (is_met(p)) flags_here |= VERTEX_MET;
+  if (at_infinity(p)) flags_here |= VERTEX_INFINITE;
+  return flags_here;
 }
 
 SHARED CrossingDensity crossing_of(uint from, Point at, Point to, Drawn drawn) MEMBER {
@@ -148,28 +148,11 @@ SHARED CrossingDensity crossing_of(uint from, Point at, Point to, Drawn drawn) M
 }
 
 SHARED PathVertex empty_vertex(uint walk) MEMBER_CONST {
-  PathVertex v = {vec3(0.0f, 0.0f, 0.0f),
-                  kNoTriangle,
-                  vec3(0.0f, 0.0f, 0.0f),
-                  SOURCE_NONE,
-                  vec3(1.0f, 1.0f, 1.0f),
-                  0.0f,
-                  vec3(0.0f, 0.0f, 0.0f),
-                  walk,
-                  0.0f,
-                  0.0f,
-                  0.0f,
-                  0.0f,
-                  0.0f,
-                  0.0f,
-                  0.0f,
-                  0u,
-                  vec3(0.0f, 0.0f, 0.0f),
-                  0u,
-                  vec3(0.0f, 0.0f, 0.0f),
-                  POINT_SIMPLE | POINT_CONNECTIBLE,
-                  vec3(0.0f, 0.0f, 0.0f),
-                  0.0f};
+  PathVertex v = zero_PathVertex();
+  v.triangle = kNoTriangle;
+  v.throughput = vec3(1.0f, 1.0f, 1.0f);
+  v.walk = walk;
+  v.made_of = POINT_SIMPLE | POINT_CONNECTIBLE;
   return v;
 }
 SHARED PathDensity empty_density() MEMBER_CONST {
@@ -177,16 +160,13 @@ SHARED PathDensity empty_density() MEMBER_CONST {
   return d;
 }
 SHARED WalkRay no_ray(uint walk) MEMBER_CONST {
-  WalkRay ray = {vec3(0.0f, 0.0f, 0.0f),
-                 kNoVertex,
-                 vec3(0.0f, 0.0f, 1.0f),
-                 0u,
-                 vec3(1.0f, 1.0f, 1.0f),
-                 -1,
-                 kNoTriangle,
-                 0.0f,
-                 0.0f,
-                 walk};
+  WalkRay ray = zero_WalkRay();
+  ray.here = kNoVertex;
+  ray.w = vec3(0.0f, 0.0f, 1.0f);
+  ray.throughput = vec3(1.0f, 1.0f, 1.0f);
+  ray.polygon = -1;
+  ray.triangle = kNoTriangle;
+  ray.walk = walk;
   return ray;
 }
 
@@ -235,11 +215,8 @@ SHARED void begin_light_walk(uint walk, uint slot) MEMBER {
   uint i = walk % render.walks_full;
   if (i >= walks_of_cache(cache_of_group(group))) return;
   Sequence numbers = numbers_of(sample_of_group(group, i), PURPOSE_LIGHT_WALK);
-  float u = uniform_of(numbers);
-  float v = uniform_of(numbers);
-  float pick = uniform_of(numbers);
-  float side = uniform_of(numbers);
-  LightPlace place = sample_light(pick, u, v, side);
+  FourNumbers n = four_numbers_of(numbers);
+  LightPlace place = sample_light(n.c, n.a, n.b, n.d);
   Point y0 = point_on_light(place);
   PathVertex at = empty_vertex(walk);
   keep_point(slot, y0, at);
@@ -255,14 +232,11 @@ SHARED void begin_light_walk(uint walk, uint slot) MEMBER {
   path_densities[slot] = density;
   if (render.max_depth < 2u) return;
 
-  float a = uniform_of(numbers);
-  float b = uniform_of(numbers);
-  float c = uniform_of(numbers);
-  float d = uniform_of(numbers);
+  n = four_numbers_of(numbers);
   WalkRay ray = no_ray(walk);
   vec3 origin;
-  leave_light(place, a, b, origin, ray.w);
-  guide_leave(y0, guide_totals, a, b, c, d, origin, ray.w, ray.polygon);
+  leave_light(place, n.a, n.b, origin, ray.w);
+  guide_leave(y0, guide_totals, n.a, n.b, n.c, n.d, origin, ray.w, ray.polygon);
   ray.throughput = at.throughput * emitted(y0, ray.w) * cos_per_pdf_w(place.source, ray.w);
   if (!(largest(ray.throughput) > 0.0f)) return;
   ray.here = slot;
@@ -293,11 +267,10 @@ SHARED bool goes_on(uint from, uint slot) MEMBER_CONST {
   return uniform_of(numbers) < chance_to_go_on(d);
 }
 
-/// Samples the next direction of a walk, by the BSDF or by guiding. Random numbers: direction,
-/// lobe, then as in guide_draw().
-SHARED bool directed_turn(uint from, Point p, PathVertex at, float survival, float u, float v,
-                          float lobe, float a, float b, float c, float d, OUT(OF_FLOAT(Turn)) t,
-                          OUT(int) polygon) MEMBER_CONST {
+/// Samples the next direction of a walk, by the BSDF or by guiding. u: direction, lobe; aim: as in
+/// guide_draw().
+SHARED bool directed_turn(uint from, Point p, PathVertex at, float survival, FourNumbers u,
+                          FourNumbers aim, OUT(OF_FLOAT(Turn)) t, OUT(int) polygon) MEMBER_CONST {
   polygon = -1;
   t.dirac = false;
   t.weight = p.color;
@@ -305,23 +278,21 @@ SHARED bool directed_turn(uint from, Point p, PathVertex at, float survival, flo
   float W = guide_total_at_vertex(from, at);
   float q = guide_active && W > 0.0f ? guide_chance_at(from, survival) : 0.0f;
   if (!is_layered(p)) {
-    if (scene_has_portals && guide_active && d < q) {
-      polygon = draw_towards_portal(p.position, at.facing, from, W, a, b, c, t.w);
+    if (scene_has_portals && guide_active && aim.d < q) {
+      polygon = draw_towards_portal(p.position, at.facing, from, W, aim.a, aim.b, aim.c, t.w);
       return same_side(p, at.back, t.w);
     }
-    vec3 n = dot(p.normal, at.back) > 0.0f ? p.normal : -p.normal;
-    t.w = cosine_hemisphere(n, u, v);
-    return true;
+    return simple_turn(p, at.back, u.a, u.b, t);
   }
   ScatterContext here = scatter_context_at(p, at.back);
   vec3 to;
   bool by_coat;
-  bool turned = coated_turn(p, here, u, v, lobe, to, t.dirac, by_coat);
+  bool turned = coated_turn(p, here, u.a, u.b, u.c, to, t.dirac, by_coat);
   bool guided = false;
-  if (scene_has_portals && guide_active && d < q && !t.dirac)
-    guided = d < q * coated_odds(p, here).broad;
+  if (scene_has_portals && guide_active && aim.d < q && !t.dirac)
+    guided = aim.d < q * coated_odds(p, here).broad;
   if (guided)
-    polygon = draw_towards_portal(p.position, at.facing, from, W, a, b, c, t.w);
+    polygon = draw_towards_portal(p.position, at.facing, from, W, aim.a, aim.b, aim.c, t.w);
   else if (turned)
     t.w = normalized(to_world(onb_about(p.shading), to));
   else
@@ -339,25 +310,13 @@ SHARED void go_on(uint from, uint here, uint i) MEMBER {
   walk_rays[i] = no_ray(at.walk);
   Sequence numbers = numbers_of_walk(from, at.walk);
   seek(numbers, kPerBounce * number_of(known));
-  float u = uniform_of(numbers);
-  float v = uniform_of(numbers);
-  float lobe = uniform_of(numbers);
-  float a = 0.0f;
-  float b = 0.0f;
-  float c = 0.0f;
-  float d = 0.0f;
-  if (scene_has_portals && guide_active) {
-    seek(numbers, kPerBounce * number_of(known) + kAimDimension);
-    a = uniform_of(numbers);
-    b = uniform_of(numbers);
-    c = uniform_of(numbers);
-    d = uniform_of(numbers);
-  }
+  FourNumbers u = four_numbers_of(numbers);  // the last one has decided that the walk continues
+  FourNumbers aim = {0.0f, 0.0f, 0.0f, 0.0f};
+  if (scene_has_portals && guide_active) aim = four_numbers_of(numbers);
   Point p = kept_point(here, at);
   OF_FLOAT(Turn) t;
   WalkRay ray = no_ray(at.walk);
-  if (!directed_turn(from, p, at, known.own_survival, u, v, lobe, a, b, c, d, t, ray.polygon))
-    return;
+  if (!directed_turn(from, p, at, known.own_survival, u, aim, t, ray.polygon)) return;
   ray.w = t.w;
   ray.throughput = at.throughput * t.weight * reciprocal(chance_to_go_on(known));
   if (!(largest(ray.throughput) > 0.0f)) return;
@@ -427,28 +386,32 @@ SHARED float arrival_pdf_A(uint from, WalkRay ray, Point v, PathVertex at, PathD
   return own_A;
 }
 
-/// The vertex that a ray has reached from v along the edge e, without its throughput and number.
-/// looks_out: next events may be made there.
-SHARED PathVertex arrived_vertex(uint slot, WalkRay ray, Point v, Point to, Edge e,
-                                 CrossingDensity crossing, bool looks_out) MEMBER {
-  PathVertex r = empty_vertex(ray.walk);
-  keep_point(slot, to, r);
-  r.back = -e.w;
-  r.facing = guide_facing(to, -e.w);
-  r.per_prev = cosine_to(v, e.w) * reciprocal(e.d2);
+/// The point that a ray has reached.
+SHARED Point point_reached(WalkRay ray) MEMBER_CONST {
+  if (ray.triangle == kNoTriangle) return point_in_sky(ray.w);
+  Point p;
+  place_on_surface(ray.triangle, ray.b1, ray.b2, p);
+  return p;
+}
+/// The vertex there, `back` from it, without what depends on the vertex before. looks_out: next
+/// events may be made there.
+SHARED PathVertex vertex_reached(uint slot, WalkRay ray, Point p, vec3 back,
+                                 bool looks_out) MEMBER {
+  PathVertex v = empty_vertex(ray.walk);
+  keep_point(slot, p, v);
+  v.back = back;
+  v.facing = guide_facing(p, back);
   if (scene_has_portals && guide_active) {
     if (ray.triangle != kNoTriangle)
-      keep_guide_totals(r, guide_totals_at_surface(to, -e.w));
+      keep_guide_totals(v, guide_totals_at_surface(p, back));
     else
-      keep_guide_totals(r, guide_totals_at_light(to));
+      keep_guide_totals(v, guide_totals_at_light(p));
   }
-  LightContext light_context = light_context_of(r);
-  if (looks_out) look_out(to, r.facing, light_context);
-  r.seen = light_context.seen;
-  r.sent = light_context.sent;
-  r.from_light = crossing.from_light;
-  r.from_camera = crossing.from_camera;
-  return r;
+  LightContext light_context = light_context_of(v);
+  if (looks_out) look_out(p, v.facing, light_context);
+  v.seen = light_context.seen;
+  v.sent = light_context.sent;
+  return v;
 }
 
 /// Density of the light point at one end of an edge as a next event from the other end; 0 if
@@ -488,11 +451,7 @@ SHARED void arrive(uint from, uint i, uint next) MEMBER {
     v = kept_point(ray.here, at);
   }
   uint number = by_film ? 1u : number_of(known) + 1u;
-  Point to;
-  if (met)
-    place_on_surface(ray.triangle, ray.b1, ray.b2, to);
-  else
-    to = point_in_sky(ray.w);
+  Point to = point_reached(ray);
   Edge e = edge_between(v, to);
   if (met && !at_infinity(v) && !(e.d2 > 1e-30f)) return;
   float per_area = cosine_to(to, e.w) * reciprocal(e.d2);
@@ -506,7 +465,10 @@ SHARED void arrive(uint from, uint i, uint next) MEMBER {
   float opacity = met && scene_has_panes ? opacity_at(ray.triangle, ray.w) : 1.0f;
   if (opacity < 1.0f) throughput = throughput * reciprocal(opacity);
   bool looks_out = has_technique(TECHNIQUE_DIRECT) && met && (from == FROM_CAMERA || number == 1u);
-  PathVertex record = arrived_vertex(next, ray, v, to, e, crossing, looks_out);
+  PathVertex record = vertex_reached(next, ray, to, -e.w, looks_out);
+  record.per_prev = cosine_to(v, e.w) * reciprocal(e.d2);
+  record.from_light = crossing.from_light;
+  record.from_camera = crossing.from_camera;
   record.throughput = absorbed(throughput, v, to, e);
   record.ordinal = at.ordinal + (number > 1u && v.connectible ? 1u : 0u);
   path_vertices[next] = record;

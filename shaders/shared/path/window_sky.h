@@ -126,52 +126,40 @@ SHARED REAL seen_through_windows(VEC3 position, VEC3 facing) MEMBER_CONST {
   return sum;
 }
 
-/// Importance-samples a: the content from a0 to it, between b0 and b1, is `share` of that up to a1.
-SHARED REAL drawn_column(IN(WindowFrame) frame, CellRect r, REAL share) MEMBER_CONST {
-  uint first = cell_at(frame, r.a0);
-  uint low = first;
-  uint high = cell_at(frame, r.a1);
-  if (low == high) return r.a0 + (r.a1 - r.a0) * share;
-  REAL of_first =
-      content_of_columns(frame, first, first + 1u, r.b0, r.b1) * (REAL(first + 1u) - r.a0);
-  REAL wanted = share * content_of_rect(frame, r);
-  // The last column that `wanted` reaches, and the content before it.
-  REAL before = 0.0f;
-  while (low < high) {
-    uint middle = (low + high + 1u) >> 1;
-    REAL sum = of_first + content_of_columns(frame, first + 1u, middle, r.b0, r.b1);
-    bool reached = sum <= wanted;
-    before = reached ? sum : before;
-    low = reached ? middle : low;
-    high = reached ? high : middle - 1u;
-  }
-  REAL from = max(REAL(low), r.a0);
-  REAL to = min(REAL(low + 1u), r.a1);
-  REAL content = content_of_columns(frame, low, low + 1u, r.b0, r.b1);
-  REAL within = content > 0.0f ? (wanted - before) * reciprocal(content) : 0.0f;
-  return min(from + max(within, 0.0f), to);
+/// Content of columns [i, k) between r.b0 and r.b1; `rows`: of rows [i, k) of one column.
+SHARED REAL content_along(IN(WindowFrame) frame, bool rows, uint column, CellRect r, uint i,
+                          uint k) MEMBER_CONST {
+  if (rows) return REAL(whole_content(frame, column, column + 1u, i, k));
+  return content_of_columns(frame, i, k, r.b0, r.b1);
 }
-/// The same down one column, for b.
-SHARED REAL drawn_row(IN(WindowFrame) frame, uint column, CellRect r, REAL share) MEMBER_CONST {
-  uint first = cell_at(frame, r.b0);
+/// Importance-samples a: the content from a0 to it, between b0 and b1, is `share` of that up to a1.
+/// `rows`: samples b likewise, down one column.
+SHARED REAL drawn_along(IN(WindowFrame) frame, bool rows, uint column, CellRect r,
+                        REAL share) MEMBER_CONST {
+  REAL begin = rows ? r.b0 : r.a0;
+  REAL end = rows ? r.b1 : r.a1;
+  uint first = cell_at(frame, begin);
   uint low = first;
-  uint high = cell_at(frame, r.b1);
-  if (low == high) return r.b0 + (r.b1 - r.b0) * share;
-  REAL of_first = REAL(whole_content(frame, column, column + 1u, first, first + 1u)) *
-                  (REAL(first + 1u) - r.b0);
-  REAL wanted = share * content_of_columns(frame, column, column + 1u, r.b0, r.b1);
+  uint high = cell_at(frame, end);
+  if (low == high) return begin + (end - begin) * share;
+  REAL of_first =
+      content_along(frame, rows, column, r, first, first + 1u) * (REAL(first + 1u) - begin);
+  REAL all =
+      rows ? content_of_columns(frame, column, column + 1u, r.b0, r.b1) : content_of_rect(frame, r);
+  REAL wanted = share * all;
+  // The last cell that `wanted` reaches, and the content before it.
   REAL before = 0.0f;
   while (low < high) {
     uint middle = (low + high + 1u) >> 1;
-    REAL sum = of_first + REAL(whole_content(frame, column, column + 1u, first + 1u, middle));
+    REAL sum = of_first + content_along(frame, rows, column, r, first + 1u, middle);
     bool reached = sum <= wanted;
     before = reached ? sum : before;
     low = reached ? middle : low;
     high = reached ? high : middle - 1u;
   }
-  REAL from = max(REAL(low), r.b0);
-  REAL to = min(REAL(low + 1u), r.b1);
-  REAL content = REAL(whole_content(frame, column, column + 1u, low, low + 1u));
+  REAL from = max(REAL(low), begin);
+  REAL to = min(REAL(low + 1u), end);
+  REAL content = content_along(frame, rows, column, r, low, low + 1u);
   REAL within = content > 0.0f ? (wanted - before) * reciprocal(content) : 0.0f;
   return min(from + max(within, 0.0f), to);
 }
@@ -193,8 +181,8 @@ SHARED VEC3 towards_window(VEC3 position, VEC3 facing, REAL seen, REAL pick, REA
     left = left < through ? -1.0f : left - through;
   }
   IN(WindowFrame) frame = load_window_frame(load_sky_window(chosen).frame);
-  REAL a = drawn_column(frame, of_chosen, u);
-  REAL b = drawn_row(frame, cell_at(frame, a), of_chosen, v);
+  REAL a = drawn_along(frame, false, 0u, of_chosen, u);
+  REAL b = drawn_along(frame, true, cell_at(frame, a), of_chosen, v);
   REAL per_cells = 2.0f * reciprocal(REAL(frame.cells));
   REAL c = a * per_cells - 1.0f;
   REAL d = b * per_cells - 1.0f;

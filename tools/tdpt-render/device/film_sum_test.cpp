@@ -9,7 +9,6 @@
 #include "libcommon/math/rng.h"
 #include "libcommon/math/vec.h"
 #include "shaders/film_sum_test.h"
-#include "shaders/shared/path/film_units.h"
 #include "shaders/shared/rng.h"
 
 namespace tdpt {
@@ -109,7 +108,7 @@ TEST(film_sum, units_are_those_of_doubles_for_the_same_coin) {
     Units units = 0;
     shader::uvec4 mine;
     const bool held = to_units(value, 0x1p64, coin, units);
-    ASSERT_EQ(shader::film_units(value, coin, mine), held) << value;
+    ASSERT_EQ(shader::ScalarFilm{nullptr}.film_units(value, coin, mine), held) << value;
     if (held) {
       ASSERT_TRUE(units_of(mine) == units) << value << " " << coin;
     }
@@ -123,9 +122,9 @@ TEST(film_sum, values_below_a_unit_keep_their_mean) {
     // A unit is added below a coin that equals the value's fraction of a unit, to its precision.
     const auto least = static_cast<uint64_t>(std::ldexp(double{value}, 128));
     shader::uvec4 units;
-    EXPECT_TRUE(shader::film_units(value, least - 1, units));
+    EXPECT_TRUE(shader::ScalarFilm{nullptr}.film_units(value, least - 1, units));
     EXPECT_EQ(units[0], 1u) << share;
-    EXPECT_TRUE(shader::film_units(value, least, units));
+    EXPECT_TRUE(shader::ScalarFilm{nullptr}.film_units(value, least, units));
     EXPECT_EQ(units[0], 0u) << share;
   }
 }
@@ -134,14 +133,14 @@ TEST(film_sum, what_cannot_be_held_is_refused) {
   shader::uvec4 units;
   for (const float value :
        {-1.0f, -1e-38f, -1e-42f, 0x1p46f, 3e38f, INFINITY, -INFINITY, NAN, -NAN}) {
-    EXPECT_FALSE(shader::film_units(value, 0, units)) << value;
+    EXPECT_FALSE(shader::ScalarFilm{nullptr}.film_units(value, 0, units)) << value;
     EXPECT_TRUE(units_of(units) == 0) << value;
   }
   for (const float value : {0.0f, -0.0f, 1e-42f}) {
-    EXPECT_TRUE(shader::film_units(value, 0, units)) << value;
+    EXPECT_TRUE(shader::ScalarFilm{nullptr}.film_units(value, 0, units)) << value;
     EXPECT_TRUE(units_of(units) == 0) << value;
   }
-  EXPECT_TRUE(shader::film_units(std::nextafter(0x1p46f, 0.0f), 0, units));
+  EXPECT_TRUE(shader::ScalarFilm{nullptr}.film_units(std::nextafter(0x1p46f, 0.0f), 0, units));
   EXPECT_TRUE(units_of(units) == Units{0xFFFFFF} << 86);
 }
 

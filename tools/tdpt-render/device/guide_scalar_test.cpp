@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "tools/tdpt-render/integrators/integrator.h"
-#include "tools/tdpt-render/path/bsdf/surfaces.h"
+#include "tools/tdpt-render/path/bsdf/scatter.h"
 #include "tools/tdpt-render/path/sample/guide.h"
 #include "tools/tdpt-render/path/sample/walk.h"
 #include "tools/tdpt-render/path/sample/world.h"
@@ -148,9 +148,9 @@ struct Trial {
     const vec3 back = begins ? vec3() : away;
     if (!begins) Points::look_at(back, at);
     if (begins)
-      guide.guide_totals_at_light(at.theirs);
+      guide.set_totals_at_light(at.theirs);
     else
-      guide.guide_totals_at_surface(Vec3d(away), at.theirs);
+      guide.set_totals_at_surface(Vec3d(away), at.theirs);
     const shader::GuideTotals guide_totals = begins ? scalar.guide_totals_at_light(at.mine)
                                                     : scalar.guide_totals_at_surface(at.mine, away);
     if (!guide.active()) {

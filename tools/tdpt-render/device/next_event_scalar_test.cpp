@@ -249,7 +249,7 @@ TEST(next_event_scalar, windows_are_the_renderers) {
                                                    s.light_context.seen, n.pick, n.u, n.v);
         const double mine = lit->scalar.windows_pdf_w(s.p.position, s.light_context.facing,
                                                       s.light_context.seen, w);
-        const double theirs = lit->vista.openings.windows.pdf_w(
+        const double theirs = lit->vista.openings.windows.windows_pdf_w(
             s.v.position, s.v.light_context.facing, s.v.light_context.seen, normalize(Vec3d(w)));
         ASSERT_GT(mine, 0) << lit->name << ' ' << place.place.x << ' ' << i;
         off += !(std::abs(mine / theirs - 1) < 5e-3);

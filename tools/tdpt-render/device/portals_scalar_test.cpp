@@ -8,7 +8,6 @@
 #include "libcommon/math/rng.h"
 #include "libcommon/scene/scene.h"
 #include "libcommon/testing/statistics/chi_square.h"
-#include "tools/tdpt-render/portals/portal_text.h"
 #include "tools/tdpt-render/testing/rooms.h"
 #include "tools/tdpt-render/testing/scalar_portals.h"
 
@@ -73,7 +72,8 @@ struct Differences {
 double explained(const PortalSet& set, const Vec3d& a, const Vec3d& b, bool pairs) {
   const Vec3d d = b - a;
   double worst = 0;
-  for (const PortalSet::Outline& f : set.outlines()) {
+  for (uint32_t i = 0; i < set.facets(); ++i) {
+    const PortalSet::PortalFacet& f = set.load_portal_facet(i);
     const double before = dot(f.normal, a - f.centre), after = dot(f.normal, b - f.centre);
     const double cos = dot(f.normal, d) / length(d);
     if (!(cos > 0) || (before > 0 || after < 0 ? -before / cos > 8 || after / cos < -8 : false))
@@ -93,7 +93,7 @@ Differences differences(const PortalSet& set, Spoil spoil) {
   Differences all;
   for (int i = 0; i < kEdges; ++i) {
     const auto [a, b] = edge(scalar, rng);
-    const PortalSet::CrossingDensity c = set.crossing(Vec3d(a), Vec3d(b), {});
+    const PortalSet::CrossingDensity c = set.portal_crossing(Vec3d(a), Vec3d(b), {});
     CrossingDensity mine = scalar.portal_crossing(a, b, drawn_otherwise());
     EXPECT_EQ(mine.density, scalar.portal_density(a, b, drawn_otherwise()));
     mine = spoil(mine);
@@ -165,7 +165,7 @@ Misses misses(const PortalSet& set) {
       m.undrawn += !(scalar.portal_density(x_l, x_c, drawn_otherwise()) > 0);
     }
     const vec3 v = place(rng), facing = direction(rng);
-    const float W = scalar.portal_guide_totals(v, facing, FROM_CAMERA);
+    const float W = scalar.portal_guide_total(false, v, facing, FROM_CAMERA);
     if (!(W > 0)) continue;
     vec3 w;
     const float u = number(rng), u2 = number(rng), pick = number(rng);
@@ -250,7 +250,7 @@ TEST(portals_scalar, segments_are_those_of_the_same_numbers_in_doubles) {
     for (int i = 0; i < kSegments; ++i) {
       std::array<float, 7> u;
       const SegmentDraw mine = draw(scalar, u, rng);
-      const PortalSet::Sample s = set.sample({u[0], u[1], u[2], u[3], u[4], u[5], u[6]});
+      const PortalSet::SegmentDraw s = set.sample({u[0], u[1], u[2], u[3], u[4], u[5], u[6]});
       EXPECT_EQ(mine.portal, set.polygon(mine.drawn.polygon).portal);
       if (s.drawn.polygon != mine.drawn.polygon || s.drawn.second != mine.drawn.second) {
         ++others;
@@ -286,7 +286,7 @@ double worst_of_triangles(const PortalSet& set, double fault) {
       const PortalSet::Polygon& q = set.polygon(static_cast<int>(k));
       const double slope = dot(q.normal, d);
       const Vec3d at = Vec3d(from) + d * (dot(q.normal, q.p0 - Vec3d(from)) / slope);
-      if (!(slope > 0) || !shader::PortalText(set).polygon_holds(q, at, 0)) continue;
+      if (!(slope > 0) || !set.polygon_holds(q, at, 0)) continue;
       add(k, value);
       all += value;
     }
@@ -379,7 +379,7 @@ double aims_p(const PortalSet& set, const Vec3d& at, const vec3& facing, uint32_
   const PortalTables tables(set);
   const ScalarPortals scalar(tables);
   const vec3 v(at);
-  const float W = scalar.portal_guide_totals(v, facing, from);
+  const float W = scalar.portal_guide_total(false, v, facing, from);
   EXPECT_GT(W, 0);
   const auto pdf_w = [&](const Vec3d& w) {
     const vec3 to = v + vec3(w) * 2.0f;
@@ -429,7 +429,7 @@ double lines_p(double fault) {
   const ScalarPortals scalar(tables);
   const vec3 d(normalize(Vec3d(0.2, -0.3, 1)));
   const Onb<double> onb{Vec3d(d)};
-  const float W = scalar.portal_guide_total_along(d);
+  const float W = scalar.portal_guide_total(true, d, vec3(0.0f), FROM_LIGHT);
   constexpr int kSide = 16, kFine = 96;
   const auto index = [](double x) {
     return std::clamp(static_cast<int>((x + 1) * 0.5 * kSide), 0, kSide - 1);
@@ -452,7 +452,8 @@ double lines_p(double fault) {
                                [&](uint64_t) {
                                  const float u = number(rng), v = number(rng), pick = number(rng);
                                  vec3 at;
-                                 scalar.draw_parallel_through_portal(d, W, u, v, pick, at);
+                                 scalar.draw_on_portal(true, d, vec3(0.0f), FROM_LIGHT, W, u, v,
+                                                       pick, at);
                                  return static_cast<size_t>(index(dot(onb.x, Vec3d(at))) * kSide +
                                                             index(dot(onb.y, Vec3d(at))));
                                })
@@ -467,7 +468,7 @@ TEST(portals_scalar, twin_lines_less_directed_than_their_density_says) {
 
 TEST(portals_scalar, walks_are_aimed_as_the_same_numbers_aim_them_in_doubles) {
   for (const auto& [name, set] : all_portals()) {
-    const shader::PortalText doubles(set);
+    const PortalSet& doubles = set;
     const PortalTables tables(set);
     const ScalarPortals scalar(tables);
     double area = 0;
@@ -478,8 +479,8 @@ TEST(portals_scalar, walks_are_aimed_as_the_same_numbers_aim_them_in_doubles) {
       const vec3 v = place(rng), facing = i % 4 == 0 ? vec3() : direction(rng), d = direction(rng);
       const uint32_t from = i % 2 == 0 ? FROM_LIGHT : FROM_CAMERA;
       const float u = number(rng), u2 = number(rng), pick = number(rng);
-      const double W = doubles.portal_guide_totals(Vec3d(v), Vec3d(facing), from);
-      const float mine = scalar.portal_guide_totals(v, facing, from);
+      const double W = doubles.portal_guide_total(false, Vec3d(v), Vec3d(facing), from);
+      const float mine = scalar.portal_guide_total(false, v, facing, from);
       if (W > 0 && mine > 0 && std::abs(mine / W - 1) < 1e-5) {
         ++n;
         Vec3d w;
@@ -492,16 +493,19 @@ TEST(portals_scalar, walks_are_aimed_as_the_same_numbers_aim_them_in_doubles) {
       } else {
         others += W > 0 || mine > 0;
       }
-      const double along = set.guide_total_along(Vec3d(d)),
-                   mine_along = scalar.portal_guide_total_along(d);
+      const double along = set.portal_guide_total(true, Vec3d(d), Vec3d(), FROM_LIGHT),
+                   mine_along = scalar.portal_guide_total(true, d, vec3(0.0f), FROM_LIGHT);
       // At a cosine of 0.01 five digits remain; some facets are left out edge-on.
       EXPECT_NEAR(mine_along, along, 1e-5 * along + shader::kPortalEdgeOn * area);
       Vec3d at;
       vec3 my_at;
       if (along < 0.01) continue;
-      const int triangle = doubles.draw_parallel_through_portal(Vec3d(d), along, u, u2, pick, at);
-      others += triangle != scalar.draw_parallel_through_portal(
-                                d, scalar.portal_guide_total_along(d), u, u2, pick, my_at) ||
+      const int triangle =
+          doubles.draw_on_portal(true, Vec3d(d), Vec3d(), FROM_LIGHT, along, u, u2, pick, at);
+      others += triangle != scalar.draw_on_portal(
+                                true, d, vec3(0.0f), FROM_LIGHT,
+                                scalar.portal_guide_total(true, d, vec3(0.0f), FROM_LIGHT), u, u2,
+                                pick, my_at) ||
                 length(at - Vec3d(my_at)) > 1e-6;
     }
     EXPECT_GT(n, 20000) << name;
@@ -527,7 +531,7 @@ TEST(portals_scalar, extremes_are_finite) {
       const vec3 b = i % 10 == 0 ? a : s.position + normal * some() + along * some();
       const CrossingDensity c =
           scalar.portal_crossing(a, b, i % 2 == 0 ? s.drawn : drawn_otherwise());
-      const float W = scalar.portal_guide_totals(a, vec3(0.0f), FROM_LIGHT);
+      const float W = scalar.portal_guide_total(false, a, vec3(0.0f), FROM_LIGHT);
       for (const float x : {c.density, c.from_light, c.from_camera, W})
         EXPECT_TRUE(x >= 0 && x < 1e30f) << name << " " << x;
       if (!(W > 0)) continue;

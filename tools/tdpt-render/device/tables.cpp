@@ -207,26 +207,26 @@ float reach2_of(double reach2) {
 
 PortalTables::PortalTables(const PortalSet& set) {
   if (set.empty()) return;
-  for (const auto& f : set.facets_) {
+  for (const auto& f : set.tables_->facets) {
     shader::PortalFacet& out = facets.emplace_back(shader::PortalFacet(f));
     out.area = held(f.area);
     out.reach2 = reach2_of(f.reach2);
     out.density = held(f.density);
     out.per_area = held(f.per_area);
   }
-  for (const auto& q : set.polygons_) {
+  for (const auto& q : set.tables_->polygons) {
     shader::PortalPolygon& out = polygons.emplace_back(shader::PortalPolygon(q));
     out.grad1 = held(q.grad1);
     out.grad2 = held(q.grad2);
     float& border = facets[q.facet].border;
     border = std::max(border, border_of(q));
   }
-  for (const Vec3d& corner : set.corners_) corners.push_back({Vec3f(corner), 0});
-  for (const auto& pair : set.pairs_) {
+  for (const Vec3d& corner : set.tables_->corners) corners.push_back({Vec3f(corner), 0});
+  for (const auto& pair : set.tables_->pairs) {
     pairs.push_back(shader::PortalPair(pair));
     pairs.back().pdf = held(pair.pdf);
   }
-  const PortalSet::Sizes& sizes = set.sizes_;
+  const auto& sizes = set.guiding;
   guiding = {sizes.facets,
              sizes.polygons,
              sizes.pairs,

@@ -149,7 +149,7 @@ class Sight {
   Seen& seen_;
 };
 
-Seen look(const Vista& vista, size_t x, size_t y, bool on, uint64_t seed) {
+Seen sums_of_pixel(const Vista& vista, size_t x, size_t y, bool on, uint64_t seed) {
   Seen seen;
   const uint64_t pixel = y << 32 | x;
   Ray ray;
@@ -202,7 +202,7 @@ Channels features(const Vista& vista, const std::vector<std::string>& names, uin
   const bool on = targets[0].to || targets[3].to;
   tbb::parallel_for(size_t{0}, height, [&](size_t y) {
     for (size_t x = 0; x < width; ++x) {
-      const Seen seen = look(vista, x, y, on, seed);
+      const Seen seen = sums_of_pixel(vista, x, y, on, seed);
       for (const Target& target : targets)
         if (target.to) target.to[y * width + x] = static_cast<float>(target.of(seen));
     }

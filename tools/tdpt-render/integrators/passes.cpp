@@ -6,9 +6,9 @@
 
 namespace tdpt {
 
-void render_samples(const Vista& vista, const Integrator& integrator, const SampleRules& rules,
-                    uint64_t round, const SampleRange& samples, Film& film, Tally& tally,
-                    ProgressBar& progress) {
+void CpuRenderer::render(const Integrator& integrator, const SampleRules& rules, uint64_t round,
+                         const SampleRange& samples, Film& film, Tally& tally,
+                         ProgressBar& progress) {
   const SampleSettings settings{integrator.mixture, rules.max_depth, rules.beta, rules.seed,
                                 stream_in(round, integrator.stream)};
   const auto width = static_cast<uint64_t>(vista.view.film.width());

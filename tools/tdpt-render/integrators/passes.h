@@ -17,13 +17,6 @@ struct SampleRules {
   uint64_t seed = 1;
 };
 
-/// Renders those samples of every pixel into `film` and counts them in `tally`, in parallel.
-/// `round` 0 is the picture itself; other rounds have their own random numbers. Film and tally do
-/// not depend on how samples are split into calls or among threads.
-void render_samples(const Vista& vista, const Integrator& integrator, const SampleRules& rules,
-                    uint64_t round, const SampleRange& samples, Film& film, Tally& tally,
-                    ProgressBar& progress);
-
 /// Options of a film: a layer for each technique in `layers`, a transparent background if `alpha`,
 /// and two halves of the samples if `halves`.
 Film::Options film_options(const TechniqueSet& layers, bool alpha, bool halves);
@@ -60,8 +53,10 @@ class SampleRenderer {
   virtual bool on_device() const { return false; }
   /// Does slow preparations, once, so that they do not count as rendering time.
   virtual void prepare(const Integrator&, const SampleRules&, const Film&, bool /*quiet*/) {}
-  /// Same as render_samples(): a pure function of the renderer and its arguments, however samples
-  /// are split into calls. The integrator must have been given its expected connections
+  /// Renders those samples of every pixel into `film` and counts them in `tally`. `round` 0 is the
+  /// picture itself; other rounds have their own random numbers. A pure function of the renderer
+  /// and its arguments: film and tally do not depend on how samples are split into calls or among
+  /// threads. The integrator must have been given its expected connections
   /// [expecting_connections()]. If it throws Error, film and tally hold exactly the samples that
   /// the film reports, and no part of others.
   virtual void render(const Integrator& integrator, const SampleRules& rules, uint64_t round,
@@ -77,10 +72,7 @@ class CpuRenderer : public SampleRenderer {
  public:
   using SampleRenderer::SampleRenderer;
   void render(const Integrator& integrator, const SampleRules& rules, uint64_t round,
-              const SampleRange& samples, Film& film, Tally& tally,
-              ProgressBar& progress) override {
-    render_samples(vista, integrator, rules, round, samples, film, tally, progress);
-  }
+              const SampleRange& samples, Film& film, Tally& tally, ProgressBar& progress) override;
 };
 
 // A few pixels that represent a whole picture.

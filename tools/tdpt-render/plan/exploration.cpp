@@ -283,7 +283,7 @@ double probed_conductance(const World& world, const Portal& portal) {
     uint64_t crossed = 0, bounces = 0;
     for (uint64_t i = 0; i < kWalks; ++i) {
       Rng rng(*kPortalProbe.seed, kPortalProbe.first + to_camera, i);
-      const PortalSet::Sample start = opening.sample(rng);
+      const PortalSet::SegmentDraw start = opening.sample(rng);
       Tracer::Origin from{start.position};
       Vec3d w = to_camera ? start.direction : -start.direction;
       for (int step = 0; step < kSteps; ++step) {

@@ -180,7 +180,7 @@ TEST(noise, of_a_rendering_is_told_and_changes_no_pixel) {
   Film film = film_for(vista, TechniqueSet());
   Tally tally(film.unit());
   ProgressBar progress("", "", 0, true);
-  render_samples(vista, r.plan.integrator, {}, 0, {0, 37}, film, tally, progress);
+  CpuRenderer(vista).render(r.plan.integrator, {}, 0, {0, 37}, film, tally, progress);
   EXPECT_EQ(film.picture().pixels, r.picture.pixels);
 }
 

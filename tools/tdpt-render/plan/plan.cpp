@@ -4,6 +4,7 @@
 #include <array>
 
 #include "libcommon/base/process.h"
+#include "tools/tdpt-render/path/bsdf/scatter.h"
 
 namespace tdpt {
 

@@ -68,7 +68,7 @@ class PortalCheck {
           fmt::format("has {} triangles, at most {} are taken{}", n, kMostTriangles, kExpected));
     const Bounds bounds(scene_);
     for (const Portal& portal : out_.file.portals) check(portal, bounds);
-    if (!hash.empty() && hash != scene_.identity()) tell_of_another_scene(hash);
+    if (!hash.empty() && hash != scene_.identity()) note_another_scene(hash);
     if (!is_for_this_shot()) take_those_of_the_camera();
     return std::move(out_);
   }
@@ -97,7 +97,7 @@ class PortalCheck {
           metres(beyond), metres(bounds.width())));
   }
 
-  void tell_of_another_scene(const std::string& identity) {
+  void note_another_scene(const std::string& identity) {
     if (!scene_.is_scene_of(identity))
       out_.notes.push_back(name_ + " was made for another state of the scene, or for another one");
     else if (scene_.is_pose_of(identity))

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <numbers>
 
-#include "tools/tdpt-render/portals/portal_text.h"
-
 namespace tdpt {
 
 namespace {
@@ -18,13 +16,13 @@ Vec3d centre(const Corners& t) {
   return t[0] + ((t[1] - t[0]) + (t[2] - t[0])) / 3;
 }
 
-// Gives each entry the cumulative share of `weights` up to and including it.
-template <class Tell>
-void tell_ends(const std::vector<double>& weights, const Tell& tell) {
+// Calls set(i, cumulative share of `weights` up to and including entry i).
+template <class Set>
+void set_cumulative_shares(const std::vector<double>& weights, const Set& set) {
   double all = 0, sum = 0;
   for (const double w : weights) all += w;
   for (size_t i = 0; i < weights.size(); ++i)
-    tell(i, i + 1 == weights.size() ? 1 : std::min((sum += weights[i]) / all, 1.0));
+    set(i, i + 1 == weights.size() ? 1 : std::min((sum += weights[i]) / all, 1.0));
 }
 
 FlatPortal turned_round(FlatPortal flat) {
@@ -71,6 +69,10 @@ FlatPortal flattened(const Portal& portal, const Frame& frame) {
   return flat;
 }
 
+}  // namespace tdpt
+
+namespace tdpt::shader {
+
 PortalSet::PortalSet(const std::vector<Portal>& portals, const Frame& frame) {
   for (const Portal& portal : portals) {
     const FlatPortal flat = flattened(portal, frame);
@@ -79,34 +81,35 @@ PortalSet::PortalSet(const std::vector<Portal>& portals, const Frame& frame) {
     add_facet(flat, number);
     if (portal.both_ways) add_facet(turned_round(flat), number);
   }
-  sizes_.facets = static_cast<uint32_t>(facets_.size());
-  sizes_.polygons = static_cast<uint32_t>(polygons_.size());
+  guiding.facets = static_cast<uint32_t>(tables_->facets.size());
+  guiding.polygons = static_cast<uint32_t>(tables_->polygons.size());
   if (empty()) return;
   std::vector<double> areas;
   double total = 0;
-  for (const auto& q : polygons_) {
+  for (const auto& q : tables_->polygons) {
     areas.push_back(0.5 * length(cross(q.e1, q.e2)));
     total += areas.back();
   }
-  tell_ends(areas, [&](size_t i, double end) { polygons_[i].end_of_all = end; });
+  set_cumulative_shares(areas,
+                        [&](size_t i, double end) { tables_->polygons[i].end_of_all = end; });
   // p(q) = A_q / total, so p(q) / (A_q pi) is the same for every triangle.
-  for (Facet& f : facets_) f.density = 1 / (total * std::numbers::pi);
+  for (PortalFacet& f : tables_->facets) f.density = 1 / (total * std::numbers::pi);
   make_pairs();
 }
 
 void PortalSet::add_facet(const FlatPortal& flat, uint32_t portal) {
   constexpr double kBorder = 1e-4;
-  Facet f;
+  PortalFacet f;
   f.normal = flat.normal;
   f.border = kBorder;
-  f.first = static_cast<uint32_t>(polygons_.size());
-  f.first_corner = static_cast<uint32_t>(corners_.size());
+  f.first = static_cast<uint32_t>(tables_->polygons.size());
+  f.first_corner = static_cast<uint32_t>(tables_->corners.size());
   std::vector<double> areas;
   for (const Corners& corners : flat.triangles) {
     const double twice = length(twice_area(corners));
-    auto& q = polygons_.emplace_back();
+    auto& q = tables_->polygons.emplace_back();
     q.portal = portal;
-    q.facet = static_cast<uint32_t>(facets_.size());
+    q.facet = static_cast<uint32_t>(tables_->facets.size());
     q.p0 = corners[0];
     q.e1 = corners[1] - q.p0;
     q.e2 = corners[2] - q.p0;
@@ -116,24 +119,19 @@ void PortalSet::add_facet(const FlatPortal& flat, uint32_t portal) {
     f.centre = (f.centre * f.area + centre(corners) * area) / (f.area + area);
     f.area += area;
     for (const Vec3d& corner : corners)
-      if (std::none_of(corners_.begin() + f.first_corner, corners_.end(),
+      if (std::none_of(tables_->corners.begin() + f.first_corner, tables_->corners.end(),
                        [&](const Vec3d& c) { return length(c - corner) < 1e-9; }))
-        corners_.push_back(corner);
+        tables_->corners.push_back(corner);
     areas.push_back(area);
   }
-  f.end = static_cast<uint32_t>(polygons_.size());
-  f.end_corner = static_cast<uint32_t>(corners_.size());
+  f.end = static_cast<uint32_t>(tables_->polygons.size());
+  f.end_corner = static_cast<uint32_t>(tables_->corners.size());
   for (const Vec3d& corner : corners_of(f))
     f.reach2 = std::max(f.reach2, (1 + kBorder) * dot(corner - f.centre, corner - f.centre));
   f.per_area = 1 / f.area;
-  tell_ends(areas, [&](size_t i, double end) { polygons_[f.first + i].end_of_facet = end; });
-  facets_.push_back(f);
-}
-
-std::vector<PortalSet::Outline> PortalSet::outlines() const {
-  std::vector<Outline> all;
-  for (const Facet& f : facets_) all.push_back({f.normal, f.centre, f.area, corners_of(f)});
-  return all;
+  set_cumulative_shares(
+      areas, [&](size_t i, double end) { tables_->polygons[f.first + i].end_of_facet = end; });
+  tables_->facets.push_back(f);
 }
 
 void PortalSet::make_pairs() {
@@ -143,16 +141,17 @@ void PortalSet::make_pairs() {
     double etendue;  // A_F A_G cos_F cos_G / d^2, from centre to centre; p(F,G) is its share
   };
   std::vector<Pair> pairs;
-  const auto all = [&](const Facet& of, const Facet& f, double side) {
-    return std::all_of(
-        corners_.begin() + of.first_corner, corners_.begin() + of.end_corner,
-        [&](const Vec3d& corner) { return side * dot(f.normal, corner - f.centre) > kMargin; });
+  const auto all = [&](const PortalFacet& of, const PortalFacet& f, double side) {
+    return std::all_of(tables_->corners.begin() + of.first_corner,
+                       tables_->corners.begin() + of.end_corner, [&](const Vec3d& corner) {
+                         return side * dot(f.normal, corner - f.centre) > kPortalMargin;
+                       });
   };
   // A heap with the weakest kept pair on top.
   const auto stronger = [](const Pair& a, const Pair& b) { return a.etendue > b.etendue; };
-  for (uint32_t i = 0; i < facets_.size(); ++i)
-    for (uint32_t j = 0; j < facets_.size(); ++j) {
-      const Facet &f = facets_[i], &g = facets_[j];
+  for (uint32_t i = 0; i < tables_->facets.size(); ++i)
+    for (uint32_t j = 0; j < tables_->facets.size(); ++j) {
+      const PortalFacet &f = tables_->facets[i], &g = tables_->facets[j];
       const Vec3d d = g.centre - f.centre;
       const double cos_f = dot(f.normal, d), cos_g = dot(g.normal, d), d2 = dot(d, d);
       if (!(cos_f > 0 && cos_g > 0)) continue;
@@ -176,52 +175,25 @@ void PortalSet::make_pairs() {
     etendues.push_back(pair.etendue);
     total += pair.etendue;
   }
-  tell_ends(etendues, [&](size_t i, double end) {
+  set_cumulative_shares(etendues, [&](size_t i, double end) {
     const auto& [first, second, etendue] = pairs[i];
-    Facet& f = facets_[first];
-    pairs_.push_back(
-        {first, second, kShare * (etendue / total) / (f.area * facets_[second].area), end});
+    PortalFacet& f = tables_->facets[first];
+    tables_->pairs.push_back(
+        {first, second, kShare * (etendue / total) / (f.area * tables_->facets[second].area), end});
     if (f.end_pair == 0) f.first_pair = static_cast<uint32_t>(i);
     f.end_pair = static_cast<uint32_t>(i + 1);
   });
-  sizes_.pairs = static_cast<uint32_t>(pairs_.size());
-  sizes_.pair_share = kShare;
-  sizes_.per_pair_share = 1 / kShare;
-  for (Facet& f : facets_) f.density *= 1 - kShare;
+  guiding.pairs = static_cast<uint32_t>(tables_->pairs.size());
+  portals_have_pairs = true;
+  guiding.pair_share = kShare;
+  guiding.per_pair_share = 1 / kShare;
+  for (PortalFacet& f : tables_->facets) f.density *= 1 - kShare;
 }
 
-// Flattened (inlined): facets are large, and each function needs little of one.
-
-[[gnu::flatten]] double PortalSet::density(const Vec3d& from, const Vec3d& to,
-                                           const Drawn& drawn) const {
-  return shader::PortalText{*this}.portal_density(from, to, drawn);
-}
-
-[[gnu::flatten]] PortalSet::CrossingDensity PortalSet::crossing(const Vec3d& from, const Vec3d& to,
-                                                                const Drawn& drawn) const {
-  return shader::PortalText{*this}.portal_crossing(from, to, drawn);
-}
-
-double PortalSet::guide_total_along(const Vec3d& d) const {
-  return shader::PortalText{*this}.portal_guide_total_along(d);
-}
-
-bool PortalSet::spans(const Drawn& drawn, const Vec3d& x_l, const Vec3d& x_c) const {
-  return shader::PortalText{*this}.segment_spans(drawn, x_l, x_c);
-}
-
-PortalSet::Sample PortalSet::sample(const std::array<double, 7>& u) const {
-  return shader::PortalText{*this}.sample_segment(u[0], u[1], u[2], u[3], u[4], u[5], u[6]);
-}
-
-PortalSet::Sample PortalSet::sample(Rng& rng) const {
+PortalSet::SegmentDraw PortalSet::sample(tdpt::Rng& rng) const {
   std::array<double, 7> u;
   for (double& x : u) x = rng.uniform();
   return sample(u);
 }
 
-Vec3d PortalSet::start(const Sample& sample) const {
-  return shader::PortalText{*this}.segment_start(sample);
-}
-
-}  // namespace tdpt
+}  // namespace tdpt::shader

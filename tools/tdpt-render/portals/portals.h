@@ -3,16 +3,14 @@
 // described there.
 #pragma once
 #include <array>
+#include <memory>
 #include <vector>
 
 #include "libcommon/formats/portal.h"
 #include "libcommon/math/rng.h"
 #include "libcommon/scene/scene.h"
 #include "shaders/shared/path/portal_layout.h"
-
-namespace tdpt::shader {
-struct PortalText;
-}
+#include "shaders/shared/warp.h"
 
 namespace tdpt {
 
@@ -28,6 +26,14 @@ struct FlatPortal {
 };
 FlatPortal flattened(const Portal& portal, const Frame& frame);
 
+struct PortalSetFaults;  // for tests [testing/faults.h]
+struct PortalTables;     // the same tables for devices
+
+}  // namespace tdpt
+
+namespace tdpt::shader {
+
+/// Copies share their tables.
 class PortalSet {
  public:
   PortalSet() = default;
@@ -35,101 +41,106 @@ class PortalSet {
   /// two that face opposite ways.
   PortalSet(const std::vector<Portal>& portals, const Frame& frame);
 
-  bool empty() const { return polygons_.empty(); }
+  bool empty() const { return guiding.polygons == 0; }
   /// Number of portals given, including any without triangles.
   size_t portals() const { return portals_; }
-  size_t size() const { return polygons_.size(); }
-  size_t facets() const { return facets_.size(); }
-  struct Outline {
-    Vec3d normal, centre;
-    double area;                 ///< canonical
-    std::vector<Vec3d> corners;  ///< of its triangles, without duplicates
-  };
-  /// One for each facet.
-  std::vector<Outline> outlines() const;
+  size_t size() const { return guiding.polygons; }
+  size_t facets() const { return guiding.facets; }
+  /// The corners of a facet's triangles, without duplicates.
+  std::vector<Vec3d> corners_of(const PortalFacetOf<double>& f) const {
+    const auto begin = tables_->corners.begin();
+    return {begin + f.first_corner, begin + f.end_corner};
+  }
   /// Number of pairs of facets that segments are drawn through both of: the strongest, at most
   /// kMostPairs.
-  size_t pairs() const { return pairs_.size(); }
+  size_t pairs() const { return guiding.pairs; }
   /// An edge is tested against the pairs that begin with a facet it crosses: for 100 pairs of 20
   /// facets that is an eighth more instructions.
   static constexpr size_t kMostPairs = 128;
 
-  /// A portal counts only for segments that begin and end at least this far from its plane.
-  static inline const double kMargin = shader::kPlaneMargin;
-
-  /// Triangles that a segment was drawn through, the second one for a pair; -1: none. They always
-  /// count as crossed, although rounding at a border may go either way; a neighbour in the same
-  /// plane then counts only if the crossing is clear of the border.
+  // What the shared code needs. Its records are described in portal_layout.h.
+  using Real = double;
+  using PortalFacet = PortalFacetOf<double>;
+  using PortalPolygon = PortalPolygonOf<double>;
+  using PortalPair = PortalPairOf<double>;
   struct Drawn {
     int polygon = -1, second = -1;
   };
-  /// D of the segment `from` (light's side) -> `to` (camera's side); 0 if it crosses no triangle
-  /// along its normal.
-  double density(const Vec3d& from, const Vec3d& to, const Drawn& drawn) const;
-  double density(const Vec3d& from, const Vec3d& to) const { return density(from, to, Drawn{}); }
-
-  /// Densities of what can have made an edge from the light's side to the camera's.
   struct CrossingDensity {
-    double density;  ///< D
-    /// a(w) * W [1/sr] (for parallel light: the triangles crossed [crossed_along()]) of a guided
-    /// walk from the light at `from`, aiming to the side of `to`, and of one from the camera at
-    /// `to`.
-    double from_light, from_camera;
+    double density, from_light, from_camera;
   };
-  CrossingDensity crossing(const Vec3d& from, const Vec3d& to, const Drawn& drawn) const;
-
-  /// W of parallel light that travels along unit `d`.
-  double guide_total_along(const Vec3d& d) const;
-
-  struct Sample {
+  struct SegmentDraw {
     Drawn drawn;
-    Vec3d position;   ///< x_p
-    Vec3d direction;  ///< unit, towards the camera's side
+    Vec3d position, direction;
     uint32_t portal = 0;
   };
-  /// `u`: two numbers for the place on a triangle, two for the direction, three to choose
-  /// triangles. The set must not be empty.
-  Sample sample(const std::array<double, 7>& u) const;
-  Sample sample(Rng& rng) const;
-  /// Whether x_l and x_c lie on either side of all triangles that the segment was drawn through:
-  /// one drawn through a pair and stopped in between is of no use.
-  bool spans(const Drawn& drawn, const Vec3d& x_l, const Vec3d& x_c) const;
-  /// Where both rays of a segment begin: behind the portal by half the margin.
-  Vec3d start(const Sample& sample) const;
+  struct PortalPassage {
+    double before, after, cosine;
+    int triangles;
+  };
+  struct PortalCorner {
+    Vec3d at;
+  };
+  /// A portal counts only for segments that begin and end at least this far from its plane.
+  static inline const double kPortalMargin = kPlaneMargin;
+  static constexpr double kPortalEdgeOn = 1e-6;
+  static constexpr double kPortalReach = HUGE_VAL;
+  static constexpr bool scene_has_portals = true;
+  bool portals_have_pairs = false;
+  struct {
+    uint32_t facets = 0, polygons = 0, pairs = 0;
+    double pair_share = 0, per_pair_share = 0;
+  } guiding;
+
+  const PortalFacet& load_portal_facet(uint i) const { return tables_->facets[i]; }
+  const PortalPolygon& load_portal_polygon(uint i) const { return tables_->polygons[i]; }
+  PortalCorner load_portal_corner(uint i) const { return {tables_->corners[i]}; }
+  const PortalPair& load_portal_pair(uint i) const { return tables_->pairs[i]; }
+  static CrossingDensity no_crossing() { return {}; }
+
+#include "shaders/shared/path/portals.h"
+
+  double density(const Vec3d& from, const Vec3d& to, const Drawn& drawn) const {
+    return portal_density(from, to, drawn);
+  }
+  double density(const Vec3d& from, const Vec3d& to) const {
+    return density(from, to, Drawn());
+  }
+  /// The set must not be empty.
+  SegmentDraw sample(const std::array<double, 7>& u) const {
+    return sample_segment(u[0], u[1], u[2], u[3], u[4], u[5], u[6]);
+  }
+  SegmentDraw sample(tdpt::Rng& rng) const;
 
   /// One triangle.
-  struct Polygon : shader::PortalPolygonOf<double> {
+  struct Polygon : PortalPolygon {
     Vec3d normal;
     double density;  ///< (1-c) p(q) / (A_q pi)
   };
   Polygon polygon(int i) const {
-    const auto& q = polygons_[static_cast<size_t>(i)];
-    return {q, facets_[q.facet].normal, facets_[q.facet].density};
+    const PortalPolygon& q = load_portal_polygon(static_cast<uint>(i));
+    return {q, load_portal_facet(q.facet).normal, load_portal_facet(q.facet).density};
   }
 
  private:
-  friend struct shader::PortalText;
-  friend struct PortalSetFaults;  // for tests [testing/faults.h]
-  friend struct PortalTables;     // the same tables for devices
-
-  using Facet = shader::PortalFacetOf<double>;
+  friend struct tdpt::PortalSetFaults;
+  friend struct tdpt::PortalTables;
 
   void add_facet(const FlatPortal& flat, uint32_t portal);
   void make_pairs();
-  std::vector<Vec3d> corners_of(const Facet& f) const {
-    return {corners_.begin() + f.first_corner, corners_.begin() + f.end_corner};
-  }
 
-  std::vector<Facet> facets_;
-  std::vector<shader::PortalPolygonOf<double>> polygons_;
-  std::vector<Vec3d> corners_;  // of facets, without duplicates
-  std::vector<shader::PortalPairOf<double>> pairs_;
-  /// Sizes of the tables, and the share c of the segments that is drawn through pairs.
-  struct Sizes {
-    uint32_t facets = 0, polygons = 0, pairs = 0;
-    double pair_share = 0, per_pair_share = 0;
-  } sizes_;
+  struct Tables {
+    std::vector<PortalFacet> facets;
+    std::vector<PortalPolygon> polygons;
+    std::vector<Vec3d> corners;  // of facets, without duplicates
+    std::vector<PortalPair> pairs;
+  };
+  std::shared_ptr<Tables> tables_ = std::make_shared<Tables>();
   size_t portals_ = 0;
 };
 
-}  // namespace tdpt
+}  // namespace tdpt::shader
+
+namespace tdpt {
+using shader::PortalSet;
+}

@@ -5,7 +5,6 @@
 
 #include <gtest/gtest.h>
 
-#include "tools/tdpt-render/portals/portal_text.h"
 #include "tools/tdpt-render/testing/faults.h"
 
 namespace tdpt::portals_test {
@@ -51,10 +50,10 @@ TEST(portals, one_behind_the_other_has_segments_drawn_through_both) {
   EXPECT_NEAR(set.density({-0.7, 0.2, -1}, {1.3, 0.2, 1}),
               0.75 / std::numbers::pi + 0.25 * 0.5 / 0.5, 1e-12);
   // A segment drawn through both and stopped in between does not span the pair.
-  EXPECT_TRUE(set.spans({0, 2}, {0.3, 0.2, -1}, {0.3, 0.2, 1}));
-  EXPECT_FALSE(set.spans({0, 2}, {0.3, 0.2, -1}, {0.3, 0.2, 0.2}));
-  EXPECT_FALSE(set.spans({0, 2}, {0.3, 0.2, 0.1}, {0.3, 0.2, 1}));
-  EXPECT_TRUE(set.spans({0, -1}, {0.3, 0.2, -1}, {0.3, 0.2, 0.2}));
+  EXPECT_TRUE(set.segment_spans({0, 2}, {0.3, 0.2, -1}, {0.3, 0.2, 1}));
+  EXPECT_FALSE(set.segment_spans({0, 2}, {0.3, 0.2, -1}, {0.3, 0.2, 0.2}));
+  EXPECT_FALSE(set.segment_spans({0, 2}, {0.3, 0.2, 0.1}, {0.3, 0.2, 1}));
+  EXPECT_TRUE(set.segment_spans({0, -1}, {0.3, 0.2, -1}, {0.3, 0.2, 0.2}));
 }
 
 TEST(portals, a_planted_fault_scales_the_density_of_triangles_and_pairs_and_no_sample) {
@@ -192,7 +191,7 @@ double worst_of_triangles(const PortalSet& set, double fault) {
   };
   for (uint64_t i = 0; i < kSamples; ++i) {
     Rng rng(12, 0, i);
-    const PortalSet::Sample s = set.sample(rng);
+    const PortalSet::SegmentDraw s = set.sample(rng);
     const Vec3d from = s.position - s.direction * 50, to = s.position + s.direction * 50;
     const double value = 1 / (fault * set.density(from, to, s.drawn));
     double all = 0;
@@ -200,7 +199,7 @@ double worst_of_triangles(const PortalSet& set, double fault) {
       const PortalSet::Polygon& q = set.polygon(static_cast<int>(k));
       const double slope = dot(q.normal, to - from);
       const Vec3d at = from + (to - from) * (dot(q.normal, q.p0 - from) / slope);
-      if (!(slope > 0) || !shader::PortalText(set).polygon_holds(q, at, 0)) continue;
+      if (!(slope > 0) || !set.polygon_holds(q, at, 0)) continue;
       add(k, value);
       all += value;
     }
@@ -261,7 +260,7 @@ bool samples_hold(double fault) {
   Rng rng(9, 0, 0);
   const int n = 200000;
   for (int i = 0; i < n; ++i) {
-    const PortalSet::Sample s = set.sample(rng);
+    const PortalSet::SegmentDraw s = set.sample(rng);
     const bool far = s.drawn.polygon >= 2;
     const double u = far ? s.position.y / 2 : s.position.x;
     const double v = far ? s.position.z : s.position.y;

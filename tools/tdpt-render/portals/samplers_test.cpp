@@ -162,8 +162,8 @@ const std::vector<std::vector<Portal>>& portal_sets() {
   return sets;
 }
 // A segment drawn through a single portal.
-PortalSet::Sample through_one(const PortalSet& set, Rng& rng) {
-  PortalSet::Sample s = set.sample(rng);
+PortalSet::SegmentDraw through_one(const PortalSet& set, Rng& rng) {
+  PortalSet::SegmentDraw s = set.sample(rng);
   while (s.drawn.second >= 0) s = set.sample(rng);
   return s;
 }
@@ -190,7 +190,7 @@ double portal_points(const std::vector<Portal>& portals, double fault) {
   return chi_square_of_samples(kSamples, probability,
                                [&](uint64_t i) {
                                  Rng rng(35, 0, i);
-                                 const PortalSet::Sample s = through_one(set, rng);
+                                 const PortalSet::SegmentDraw s = through_one(set, rng);
                                  const PortalSet::Polygon& q = set.polygon(s.drawn.polygon);
                                  const Vec3d at = s.position - q.p0;
                                  EXPECT_NEAR(dot(q.normal, at), 0, 1e-12);
@@ -220,7 +220,7 @@ double portal_directions(const std::vector<Portal>& portals, double power) {
     uint64_t kept = 0;
     for (uint64_t i = 0; i < kSamples; ++i) {
       Rng rng(36, 0, i);
-      const PortalSet::Sample s = through_one(set, rng);
+      const PortalSet::SegmentDraw s = through_one(set, rng);
       if (s.drawn.polygon != q) continue;
       ++kept;
       ++counts[bins.bin(s.direction)];
@@ -267,7 +267,7 @@ ChiSquare portal_segments(const std::vector<Portal>& portals, Density density) {
         }
   return chi_square_of_samples(kSamples, probability, [&](uint64_t i) {
     Rng rng(37, 0, i);
-    const PortalSet::Sample s = set.sample(rng);
+    const PortalSet::SegmentDraw s = set.sample(rng);
     if (!(s.direction.z > 0)) return probability.size();
     const Vec3d slope = s.direction / s.direction.z;
     const Vec3d at = s.position + slope * (kHeight - s.position.z);

@@ -19,7 +19,7 @@ class parts : public ::testing::Test {
     Tally tally(film.unit());
     ProgressBar progress("", "", 0, true);
     for (uint64_t s = samples.first; s < samples.end(); s += step)
-      render_samples(vista_, integrator_, {}, 0, {s, step}, film, tally, progress);
+      CpuRenderer(vista_).render(integrator_, {}, 0, {s, step}, film, tally, progress);
     energy_ = tally.energy[static_cast<size_t>(Technique::portal)];
     return film;
   }

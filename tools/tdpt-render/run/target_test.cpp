@@ -59,8 +59,8 @@ double told_over_true(bool one_round) {
   ProgressBar progress("", "", 0, true);
   const DrawPart draw = [&](uint64_t part, const SampleRange& samples) {
     film.clear();
-    render_samples(window().vista, nee, {}, one_round ? 3 : 3 + part, samples, film, tally,
-                   progress);
+    CpuRenderer(window().vista)
+        .render(nee, {}, one_round ? 3 : 3 + part, samples, film, tally, progress);
     return std::optional(film.sums());
   };
   const ErrorEstimate estimate = run_error_pilot(kWidth * kHeight, 1e6, 1, draw).estimate;

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "tools/tdpt-render/path/bsdf/surfaces.h"
+#include "tools/tdpt-render/path/bsdf/scatter.h"
 #include "tools/tdpt-render/testing/oracle_bsdf.h"
 
 namespace tdpt::test {

@@ -8,13 +8,15 @@ namespace tdpt {
 struct PortalSetFaults {
   /// `factor` times the density of all segments.
   static PortalSet scaled(PortalSet set, double factor) {
-    for (auto& f : set.facets_) f.density *= factor;
-    for (auto& pair : set.pairs_) pair.pdf *= factor;
+    set.tables_ = std::make_shared<PortalSet::Tables>(*set.tables_);
+    for (auto& f : set.tables_->facets) f.density *= factor;
+    for (auto& pair : set.tables_->pairs) pair.pdf *= factor;
     return set;
   }
   /// `factor` times that of segments to +x (along_x = 1) or to -x (-1).
   static void scale_one_way(PortalSet& set, double along_x, double factor) {
-    for (auto& f : set.facets_)
+    set.tables_ = std::make_shared<PortalSet::Tables>(*set.tables_);
+    for (auto& f : set.tables_->facets)
       if (f.normal.x * along_x > 0) f.density *= factor;
   }
 };

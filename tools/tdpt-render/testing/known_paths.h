@@ -101,14 +101,14 @@ inline bool has_short_edge(const Path& path) {
 }
 
 // Whether a vertex, on the rim of a hole, is so near a portal's plane that its edges do not count
-// as crossing it [PortalSet::kMargin], which the oracle ignores.
+// as crossing it [PortalSet::kPortalMargin], which the oracle ignores.
 inline bool touches_a_portals_plane(const Vista& vista, const Path& path) {
   for (int i = 0; i <= path.k(); ++i) {
     if (path.vertex(i).at_infinity()) continue;
     for (size_t q = 0; q < vista.openings.portals.size(); ++q) {
       const PortalSet::Polygon& polygon = vista.openings.portals.polygon(static_cast<int>(q));
       const double height = dot(polygon.normal, path.vertex(i).position - polygon.p0);
-      if (std::abs(height) < 2 * PortalSet::kMargin) return true;
+      if (std::abs(height) < 2 * PortalSet::kPortalMargin) return true;
     }
   }
   return false;

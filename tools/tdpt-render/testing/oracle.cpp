@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "libcommon/scene/scene.h"
-#include "tools/tdpt-render/path/bsdf/surfaces.h"
+#include "tools/tdpt-render/path/bsdf/scatter.h"
 #include "tools/tdpt-render/testing/oracle_bsdf.h"
 #include "tools/tdpt-render/testing/oracle_coat.h"
 #include "tools/tdpt-render/testing/oracle_rect_lights.h"

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "tools/tdpt-render/path/bsdf/surfaces.h"
+#include "tools/tdpt-render/path/bsdf/scatter.h"
 
 namespace tdpt::oracle {
 namespace {

@@ -82,10 +82,11 @@ struct Rectangle {
   Rectangle(const PortalSet& portals, const WindowSky::Window& window, const Vec3d& from,
             const Vec3d& front) {
     const WindowFrame& sky = *window.frame;
-    for (const PortalSet::Outline& facet : portals.outlines()) {
+    for (uint32_t i = 0; i < portals.facets(); ++i) {
+      const PortalSet::PortalFacet& facet = portals.load_portal_facet(i);
       if (length(facet.centre - window.centre) > 1e-9 || dot(facet.normal, sky.z) > 0) continue;
       height = dot(sky.z, facet.centre - from);
-      for (const Vec3d& corner : facet.corners) {
+      for (const Vec3d& corner : portals.corners_of(facet)) {
         const double x = dot(sky.x, corner - from), y = dot(sky.y, corner - from);
         x0 = std::min(x0, x), x1 = std::max(x1, x);
         y0 = std::min(y0, y), y1 = std::max(y1, y);
@@ -195,7 +196,7 @@ double SkyLight::next_event_pdf_w(const Vertex& shaded, const Vertex& next, cons
   const double side = dot(shaded.normal, next.position - shaded.position) < 0 ? -1 : 1;
   double seen = 0, light = 0;
   for (size_t i = 0; i < vista_.openings.windows.windows().size(); ++i) {
-    if (!(vista_.openings.windows.in_view(shaded.position) >> i & 1u)) continue;
+    if (!(vista_.openings.windows.windows_in_view(shaded.position) >> i & 1u)) continue;
     const WindowSky::Window& window = vista_.openings.windows.windows()[i];
     const Rectangle r(vista_.openings.portals, window, shaded.position,
                       one_sided ? shaded.normal * side : Vec3d());

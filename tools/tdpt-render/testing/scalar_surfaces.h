@@ -3,7 +3,7 @@
 #include "libcommon/scene/surface_tables.h"
 #include "shaders/shared/path/tables.h"
 #include "shaders/shared/tables.h"
-#include "tools/tdpt-render/path/bsdf/surfaces.h"
+#include "tools/tdpt-render/path/bsdf/scatter.h"
 
 namespace tdpt::shader {
 

@@ -15,7 +15,7 @@ using shader::Bsdf;
 using Odds = shader::Odds<double>;
 using Turn = shader::Turn<double>;
 
-enum class From { light, camera };
+enum class From : uint32_t { light = shader::FROM_LIGHT, camera = shader::FROM_CAMERA };
 
 struct Point {
   Vec3d position{};  ///< at infinity: the unit direction in which the light travels

@@ -1,4 +1,4 @@
-#include "tools/tdpt-render/path/bsdf/surfaces.h"
+#include "tools/tdpt-render/path/bsdf/scatter.h"
 
 #include <algorithm>
 #include <array>

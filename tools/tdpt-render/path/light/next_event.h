@@ -34,25 +34,34 @@ struct NextEventPdf {
   double of(double q) const { return sees_windows ? (1 - q) * plain + q * windows : plain; }
 };
 
+}  // namespace tdpt
+
+namespace tdpt::shader {
+
 class NextEvents {
  public:
+  using Point = tdpt::Point;
+  using LightContext = tdpt::LightContext;
+
   /// Keeps references to all three.
   NextEvents(const LightSelection& selection, const WindowSky& windows,
-             const std::vector<RectLight>& rect_lights)
+             const std::vector<tdpt::RectLight>& rect_lights)
       : selection_(selection), windows_(windows), rect_lights_(rect_lights) {}
 
   /// Sets what next events know of a surface that is seen along unit `away` from it, or was left
   /// along it. Rectangular lights are evaluated later, on first use.
   void look_out(const Vec3d& away, Vertex& v) const {
     if (windows_.empty() && rect_lights_.empty()) return;
-    v.light_context.facing = facing(v, away);
+    LightContext& known = v.light_context;
+    known.facing = facing(v, away);
     if (!windows_.empty())
-      v.light_context.seen = v.connectible ? windows_.seen(v.position, v.light_context.facing) : 0;
-    if (!rect_lights_.empty()) v.light_context.sent = v.connectible ? -1 : 0;
+      known.seen = v.connectible ? windows_.seen_through_windows(v.position, known.facing) : 0;
+    if (!rect_lights_.empty()) known.sent = v.connectible ? -1 : 0;
   }
   /// Evaluates the rectangular lights at once, for a vertex that many paths use.
   void look_at_rect_lights(Vertex& v) const {
-    if (v.light_context.sent < 0) v.light_context.sent = sent_by_rect_lights(v);
+    if (v.light_context.sent < 0)
+      v.light_context.sent = sent_by_rect_lights(v, v.light_context.facing);
   }
 
   /// Samples a point on a light. `point.source` is null if no rectangular light sends anything. A
@@ -65,12 +74,42 @@ class NextEvents {
   NextEventPdf pdf(const Vertex& shaded, const Point& light) const;
 
  private:
-  double sent_by_rect_lights(const Vertex& v) const;
   Lights::Point sample_rect_lights(Vertex& v, double pick, double a, double b) const;
 
   const LightSelection& selection_;
   const WindowSky& windows_;
-  const std::vector<RectLight>& rect_lights_;
+  const std::vector<tdpt::RectLight>& rect_lights_;
+
+  // What the shared code needs.
+  using Real = double;
+  using InSky = Lights::InSky;
+  using Source = const LightSource*;
+  using RectLight = tdpt::RectLight;
+  using LightPlace = Lights::Point;
+  static constexpr bool scene_has_windows = true;
+  bool scene_has_rect_lights = !rect_lights_.empty();
+  struct {
+    uint rect_lights;
+    double surfaces, sky_pdf_1;
+  } light_settings{static_cast<uint>(rect_lights_.size()), selection_.shares().surfaces,
+                   selection_.sky_pdf_1()};
+  const RectLight& load_rect_light(uint i) const { return rect_lights_[i]; }
+  static bool is_surface(Source source) { return source->is_surface(); }
+  static bool is_sky(Source source) { return source->is_sky(); }
+  static bool is_two_sided(Source source) { return source->both_sides(); }
+  static LightPlace no_light_place() { return {}; }
+  double light_pdf(Source source, uint triangle, const Vec3d& position, const InSky& in_sky) const {
+    return selection_.pdf(*source, triangle, position, in_sky);
+  }
+  double windows_pdf_w(const Vec3d& x, const Vec3d& facing, double seen, const Vec3d& to) const {
+    return windows_.windows_pdf_w(x, facing, seen, to);
+  }
+
+#include "shaders/shared/path/next_event.h"
 };
 
-}  // namespace tdpt
+}  // namespace tdpt::shader
+
+namespace tdpt {
+using shader::NextEvents;
+}

@@ -6,8 +6,8 @@
 
 #include "libcommon/testing/statistics/chi_square.h"
 #include "tools/tdpt-render/integrators/integrator.h"
-#include "tools/tdpt-render/path/sample/world.h"
 #include "tools/tdpt-render/path/sample/walk.h"
+#include "tools/tdpt-render/path/sample/world.h"
 #include "tools/tdpt-render/testing/rooms.h"
 #include "tools/tdpt-render/testing/sky.h"
 
@@ -316,7 +316,7 @@ double light_walks(const std::vector<Portal>& portals, const Integrator& integra
       const double y = 1 - (2 * i + 1.0) / kUp, phi = 2 * pi * (j + 0.5) / kAround;
       const double r = std::sqrt(1 - y * y);
       place_in_sky(vista.openings.selection, {r * std::cos(phi), y, r * std::sin(phi)}, y0);
-      if (guide.active()) guide.guide_totals_at_light(y0);
+      if (guide.active()) guide.set_totals_at_light(y0);
       const double begins = vista.openings.selection.pdf(*y0.source, ~0u, y0.position, y0.in_sky);
       if (begins == 0) continue;
       for (int a = 0; a < kFine * kSide; ++a)

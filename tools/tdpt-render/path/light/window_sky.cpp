@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
 #include <oneapi/tbb/parallel_for.h>
 
@@ -273,16 +274,16 @@ WindowFrame::WindowFrame(const Sky& sky, const Vec3d& x_, const Vec3d& z_, int n
 namespace {
 
 // The direction in the facet's plane along which its rectangle is smallest.
-Vec3d axis_of(const PortalSet::Outline& outline) {
+Vec3d axis_of(const Vec3d& normal, const std::vector<Vec3d>& corners) {
   Vec3d best;
   double least = HUGE_VAL;
-  for (const Vec3d& p : outline.corners)
-    for (const Vec3d& q : outline.corners) {
+  for (const Vec3d& p : corners)
+    for (const Vec3d& q : corners) {
       const Vec3d d = q - p;
       if (!(dot(d, d) > 0)) continue;
-      const Vec3d x = normalize(d), y = cross(outline.normal, x);
+      const Vec3d x = normalize(d), y = cross(normal, x);
       double x0 = HUGE_VAL, x1 = -HUGE_VAL, y0 = HUGE_VAL, y1 = -HUGE_VAL;
-      for (const Vec3d& corner : outline.corners) {
+      for (const Vec3d& corner : corners) {
         x0 = std::min(x0, dot(x, corner)), x1 = std::max(x1, dot(x, corner));
         y0 = std::min(y0, dot(y, corner)), y1 = std::max(y1, dot(y, corner));
       }
@@ -294,25 +295,32 @@ Vec3d axis_of(const PortalSet::Outline& outline) {
 }
 
 }  // namespace
+}  // namespace tdpt
+
+namespace tdpt::shader {
 
 WindowSky::WindowSky(const Sky* sky, const Tracer& tracer, const PortalSet& portals,
                      const WindowSky& before)
     : sky_(sky) {
   if (!sky) return;
-  std::vector<PortalSet::Outline> outlines = portals.outlines();
-  std::stable_sort(outlines.begin(), outlines.end(),
-                   [](const auto& a, const auto& b) { return a.area > b.area; });
-  if (outlines.size() > kMostWindows) outlines.resize(kMostWindows);
-  for (const PortalSet::Outline& outline : outlines) {
-    Window w{laid_out(axis_of(outline), -outline.normal, before),
-             outline.centre,
+  std::vector<uint> facets(portals.facets());
+  std::iota(facets.begin(), facets.end(), 0u);
+  std::stable_sort(facets.begin(), facets.end(), [&](uint a, uint b) {
+    return portals.load_portal_facet(a).area > portals.load_portal_facet(b).area;
+  });
+  if (facets.size() > kMostWindows) facets.resize(kMostWindows);
+  for (const uint i : facets) {
+    const PortalSet::PortalFacet& facet = portals.load_portal_facet(i);
+    const std::vector<Vec3d> corners = portals.corners_of(facet);
+    Window w{laid_out(axis_of(facet.normal, corners), -facet.normal, before),
+             facet.centre,
              HUGE_VAL,
              -HUGE_VAL,
              HUGE_VAL,
              -HUGE_VAL,
              0};
     w.z = dot(w.frame->z, w.centre);
-    for (const Vec3d& corner : outline.corners) {
+    for (const Vec3d& corner : corners) {
       const double x = dot(w.frame->x, corner), y = dot(w.frame->y, corner);
       w.x0 = std::min(w.x0, x), w.x1 = std::max(w.x1, x);
       w.y0 = std::min(w.y0, y), w.y1 = std::max(w.y1, y);
@@ -336,10 +344,10 @@ std::shared_ptr<const WindowFrame> WindowSky::laid_out(const Vec3d& x, const Vec
   // A rectangle has four axes; windows of one wall share a table.
   std::shared_ptr<const WindowFrame> same;
   for (const Window& w : windows_) {
-    constexpr double kAlike = 1e-6;
-    if (length(w.frame->z - z) > kAlike) continue;
+    constexpr double kSameAxis = 1e-6;
+    if (length(w.frame->z - z) > kSameAxis) continue;
     const double along = std::abs(dot(w.frame->x, x)), across = std::abs(dot(w.frame->y, x));
-    if (std::min(along, across) < kAlike) same = w.frame;
+    if (std::min(along, across) < kSameAxis) same = w.frame;
   }
   if (same) return same;
   // Only an identical one: the picture must not depend on what was rendered before.
@@ -350,49 +358,4 @@ std::shared_ptr<const WindowFrame> WindowSky::laid_out(const Vec3d& x, const Vec
   return std::make_shared<WindowFrame>(*sky_, x, z, cells);
 }
 
-}  // namespace tdpt
-
-namespace tdpt::shader {
-namespace {
-
-// The shared code in doubles.
-struct Windows {
-  using Real = double;
-  using SkyWindow = WindowSky::Window;
-  using WindowFrame = tdpt::WindowFrame;
-
-  explicit Windows(const WindowSky& all) : all_(all) {}
-  uint windows_in_view(const Vec3d& position) const { return all_.in_view(position); }
-  const SkyWindow& load_sky_window(uint i) const { return all_.windows()[i]; }
-  static const WindowFrame& load_window_frame(const std::shared_ptr<const WindowFrame>& frame) {
-    return *frame;
-  }
-  static uint window_sum(const WindowFrame& frame, uint i) { return frame.sums[i]; }
-
- private:
-  const WindowSky& all_;
-
- public:
-#include "shaders/shared/path/window_sky.h"
-};
-
-}  // namespace
 }  // namespace tdpt::shader
-
-namespace tdpt {
-
-[[gnu::flatten]] double WindowSky::seen(const Vec3d& x, const Vec3d& facing) const {
-  return shader::Windows(*this).seen_through_windows(x, facing);
-}
-
-[[gnu::flatten]] Vec3d WindowSky::sample(const Vec3d& x, const Vec3d& facing, double seen,
-                                         double pick, double u, double v) const {
-  return shader::Windows(*this).towards_window(x, facing, seen, pick, u, v);
-}
-
-[[gnu::flatten]] double WindowSky::pdf_w(const Vec3d& x, const Vec3d& facing, double seen,
-                                         const Vec3d& towards) const {
-  return shader::Windows(*this).windows_pdf_w(x, facing, seen, towards);
-}
-
-}  // namespace tdpt

@@ -88,6 +88,10 @@ struct WindowFrame {
   WindowFrame(const Sky& sky, const Vec3d& x, const Vec3d& z, int cells);
 };
 
+}  // namespace tdpt
+
+namespace tdpt::shader {
+
 class WindowSky {
  public:
   WindowSky() = default;
@@ -98,6 +102,7 @@ class WindowSky {
             const WindowSky& before);
   static constexpr size_t kMostWindows = WindowViews::kMost;
 
+  using WindowFrame = tdpt::WindowFrame;
   bool empty() const { return windows_.empty(); }
   /// The window of one facet.
   struct Window {
@@ -107,19 +112,20 @@ class WindowSky {
   };
   const std::vector<Window>& windows() const { return windows_; }
   const WindowViews& views() const { return views_; }
-  /// Windows that may be seen from `x`: bit i of a mask.
-  uint32_t in_view(const Vec3d& x) const {
+
+  // What the shared code needs.
+  using Real = double;
+  using SkyWindow = Window;
+  uint windows_in_view(const Vec3d& x) const {
     return views_.at(x) & static_cast<uint32_t>((uint64_t{1} << windows_.size()) - 1);
   }
-  /// Sum S_F of the sky that all windows show from `x` (canonical) to a surface that faces `facing`
-  /// (0: both ways).
-  double seen(const Vec3d& x, const Vec3d& facing) const;
-  /// Unit direction towards the sky; `seen` is that of `x` and must be positive. Three numbers in
-  /// [0,1).
-  Vec3d sample(const Vec3d& x, const Vec3d& facing, double seen, double pick, double u,
-               double v) const;
-  /// Density of sample() [1/sr].
-  double pdf_w(const Vec3d& x, const Vec3d& facing, double seen, const Vec3d& towards) const;
+  const SkyWindow& load_sky_window(uint i) const { return windows_[i]; }
+  static const WindowFrame& load_window_frame(const std::shared_ptr<const WindowFrame>& frame) {
+    return *frame;
+  }
+  static uint window_sum(const WindowFrame& frame, uint i) { return frame.sums[i]; }
+
+#include "shaders/shared/path/window_sky.h"
 
  private:
   std::shared_ptr<const WindowFrame> laid_out(const Vec3d& x, const Vec3d& z,
@@ -131,4 +137,8 @@ class WindowSky {
   WindowViews views_;
 };
 
-}  // namespace tdpt
+}  // namespace tdpt::shader
+
+namespace tdpt {
+using shader::WindowSky;
+}

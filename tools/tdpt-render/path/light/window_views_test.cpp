@@ -27,7 +27,9 @@ struct House {
 
   // Whether a point [m] sees the window whose centre is that of `portal`.
   bool shows(const Portal& portal, const Vec3d& place) const {
-    return vista.openings.windows.in_view(scene.frame.to_canonical(place)) >> window(portal) & 1u;
+    return vista.openings.windows.windows_in_view(scene.frame.to_canonical(place)) >>
+               window(portal) &
+           1u;
   }
   // Share of the window that the point sees.
   double share(const Portal& portal, const Vec3d& place, uint64_t seed) const {

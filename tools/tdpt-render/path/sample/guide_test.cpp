@@ -7,9 +7,8 @@
 
 #include "libcommon/testing/statistics/chi_square.h"
 #include "tools/tdpt-render/integrators/integrator.h"
-#include "tools/tdpt-render/path/sample/world.h"
 #include "tools/tdpt-render/path/sample/walk.h"
-#include "tools/tdpt-render/portals/portal_text.h"
+#include "tools/tdpt-render/path/sample/world.h"
 #include "tools/tdpt-render/testing/rooms.h"
 
 namespace tdpt::guide_test {
@@ -218,7 +217,7 @@ Stand stand_of(const Vista& vista, const Case& c) {
     place_on_light(*vista.world, vista.openings.selection.sample(0.5, 1.0 / 3, 0.5, 0),
                    c.begins ? s.at : s.before);
     if (c.begins) {
-      s.guide.guide_totals_at_light(s.at);
+      s.guide.set_totals_at_light(s.at);
       return s;
     }
   } else {
@@ -231,7 +230,7 @@ Stand stand_of(const Vista& vista, const Case& c) {
   EXPECT_TRUE(vista.world->tracer.closest(s.before.origin(), w, hit));
   place_on_surface(*vista.world, hit, s.at);
   EXPECT_LT(length(s.at.position), 1e-6);
-  s.guide.guide_totals_at_surface(-w, s.at);
+  s.guide.set_totals_at_surface(-w, s.at);
   s.back = -w;
   return s;
 }
@@ -374,7 +373,7 @@ double sun_lines(double fault) {
   const Guide guide(vista, tdpt_guided.mixture);
   Vertex y0;
   place_on_light(*vista.world, vista.openings.selection.sample(0.5, 0.5, 0.5, 0), y0);
-  guide.guide_totals_at_light(y0);
+  guide.set_totals_at_light(y0);
   EXPECT_GT(y0.guide_totals.emitted, 0);
   constexpr int kSide = 16, kFine = 128;
   const double radius = std::sqrt(y0.source->cos_per_pdf_w({}) / std::numbers::pi);
@@ -464,9 +463,8 @@ TEST(guide, twin_a_density_that_knows_no_horizon_when_it_chooses) {
   for (const From from : {From::light, From::camera}) {
     const Case c = scatters("above and below", from, Kind::diffuse, kBelow + kOne);
     const Judgement j = spoilt(c, [&](Stand& s, double W) {
-      const double all =
-          shader::PortalText(s.vista.openings.portals)
-              .portal_guide_totals(s.at.position, Vec3d(), static_cast<uint32_t>(from));
+      const double all = s.vista.openings.portals.portal_guide_total(false, s.at.position, Vec3d(),
+                                                                     static_cast<uint32_t>(from));
       EXPECT_GT(all, 1.2 * W);
       s.aim() *= all / W;
     });

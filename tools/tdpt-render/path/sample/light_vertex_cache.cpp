@@ -10,7 +10,7 @@ namespace {
 
 // Share of the probability spread equally over all terms: an estimate knows neither shadows nor
 // weights.
-constexpr double kAlike = 0.5;
+constexpr double kEqualShare = 0.5;
 
 }  // namespace
 
@@ -43,12 +43,12 @@ std::span<const Resampling::Taken> Resampling::choose(uint32_t count, double u) 
     for (size_t i = 0; i < not_zero_; ++i) taken_[i] = {terms_[i].number, 1};
     return {taken_.data(), not_zero_};
   }
-  const double by_estimate = (1 - kAlike) / total;
-  const double alike = kAlike / static_cast<double>(not_zero_);
+  const double by_estimate = (1 - kEqualShare) / total;
+  const double equal_share = kEqualShare / static_cast<double>(not_zero_);
   double largest = 0;
   for (size_t i = 0; i < not_zero_; ++i) {
     double& e = terms_[i].estimate;
-    e = e * by_estimate + alike;
+    e = e * by_estimate + equal_share;
     largest = std::max(largest, e);
   }
   const double k = count * largest < 1 ? count : factor(count);

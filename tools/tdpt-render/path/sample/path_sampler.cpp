@@ -212,7 +212,7 @@ void PathSampler::direct() {
                       : vista_.next_events().pdf(z[j], y0).of(settings_.mixture.through_windows);
     const Rgb value = sent * Rgb(static_cast<float>(1 / pdf)) * geometry(z[j], y0, e);
     if (black(value)) continue;
-    if (guide_.active()) guide_.guide_totals_at_light(light_point_.v[0]);
+    if (guide_.active()) guide_.set_totals_at_light(light_point_.v[0]);
     const Path path(vista_, guide_, light_point_, 1, z, j + 1, tally_.rays);
     to_pixel({path, {Technique::direct, 1}, value, 1});
   }

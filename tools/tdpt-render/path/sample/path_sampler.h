@@ -8,8 +8,9 @@
 //
 // Not all pairs are connected. Light walks and segments of several samples are cached
 // [light_vertex_cache.h]; the possible connections of a camera vertex, x_l or x_c are estimated
-// without visibility, and only a few of them get their ray [light_vertex_cache.h]. These are chosen by
-// importance, so the MIS weights ignore the choice; contributions are divided by its probability.
+// without visibility, and only a few of them get their ray [light_vertex_cache.h]. These are chosen
+// by importance, so the MIS weights ignore the choice; contributions are divided by its
+// probability.
 #pragma once
 #include <functional>
 
@@ -124,7 +125,7 @@ class PathSampler {
   void estimate_segments(int t);
   // Segments [segment_sampler.cpp].
   /// Whether it can carry light.
-  bool draw_segment(const PortalSet::Sample& sample, PortalSegment& segment);
+  bool draw_segment(const PortalSet::SegmentDraw& sample, PortalSegment& segment);
   /// Connects x_l with a few of the vertices that it can be connected with.
   void connect_with_light(PortalSegment& segment, const std::array<double, 2>& u);
   /// Light of prefixes short enough to leave room for t camera vertices.

@@ -18,7 +18,7 @@ void PathSampler::segment_phase(const Walk& y, LightVertexCache& cache) {
   if (vista_.openings.portals.empty() || settings_.max_depth < 2) return;
   tally_.begin_portals(vista_.openings.portals.portals());
   Sequence random = numbers(shader::PURPOSE_SEGMENT);
-  const PortalSet::Sample sample = vista_.openings.portals.sample(random.uniforms<7>());
+  const PortalSet::SegmentDraw sample = vista_.openings.portals.sample(random.uniforms<7>());
   const double share = settings_.mixture.segments;
   if (!(random.uniform() < share)) return;
   PortalSegment& segment = cache.place_for_segment();
@@ -40,14 +40,14 @@ void PathSampler::segment_phase(const Walk& y, LightVertexCache& cache) {
   cache.keep_segment();
 }
 
-bool PathSampler::draw_segment(const PortalSet::Sample& sample, PortalSegment& segment) {
+bool PathSampler::draw_segment(const PortalSet::SegmentDraw& sample, PortalSegment& segment) {
   // Both rays start at one point, behind the portal by more than rounding. A surface in the
   // portal's plane, often a pane, is then hit by only one of them, and a segment stopped by a wall
   // there ends too near the plane to have a density.
   Vertex &x_l = segment.x_l, &x_c = segment.x_c;
   x_l = x_c = {};
   segment.opacity = 1;
-  const Vec3f from(vista_.openings.portals.start(sample));
+  const Vec3f from(vista_.openings.portals.segment_start(sample));
   const auto end = [&](const Vec3d& w, Vertex& v) {
     Hit hit;
     ++tally_.rays.closest;
@@ -67,13 +67,13 @@ bool PathSampler::draw_segment(const PortalSet::Sample& sample, PortalSegment& s
   if (!(middle.d2 > 0)) return false;
   const Vec3d begin =
       x_l.at_infinity() ? before_the_scene(x_c.position, x_l.position) : x_l.position;
-  if (!vista_.openings.portals.spans(sample.drawn, begin, x_c.position)) return false;
+  if (!vista_.openings.portals.segment_spans(sample.drawn, begin, x_c.position)) return false;
   if (guide_.active()) {
     if (x_l.at_infinity())
-      guide_.guide_totals_at_light(x_l);
+      guide_.set_totals_at_light(x_l);
     else
-      guide_.guide_totals_at_surface(sample.direction, x_l);
-    guide_.guide_totals_at_surface(-sample.direction, x_c);
+      guide_.set_totals_at_surface(sample.direction, x_l);
+    guide_.set_totals_at_surface(-sample.direction, x_c);
   }
   if (guide_.looks_out()) {
     // If light begins at x_l, x_c may be x_1.

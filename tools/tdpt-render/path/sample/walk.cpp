@@ -87,7 +87,7 @@ bool Walker::extend(const Tracer::Origin& origin, const Vec3d& w, const Rgb& thr
   if (known) walk_.states[n - 2].pdf_other_A = other;
   WalkState& state = walk_.states[n];
   if (guide_.active())
-    leaves ? guide_.guide_totals_at_light(next) : guide_.guide_totals_at_surface(-w, next);
+    leaves ? guide_.set_totals_at_light(next) : guide_.set_totals_at_surface(-w, next);
   // For light walks only the first vertex: it may be x_1.
   if (guide_.looks_out() && !leaves && (from_ == From::camera || n == 1)) {
     vista_.next_events().look_out(-w, next);
@@ -204,7 +204,7 @@ void walk_from_light(const Vista& vista, const Guide& guide, int edges, Sequence
   const auto [u, v, pick, side] = walker.numbers().uniforms<4>();
   const Lights::Point light = vista.openings.selection.sample(pick, u, v, side);
   begin_at_light(*vista.world, light, walk);
-  if (guide.active()) guide.guide_totals_at_light(walk.v[0]);
+  if (guide.active()) guide.set_totals_at_light(walk.v[0]);
   if (edges < 1) return;
   const Vertex& y0 = walk[0];
   const std::array<double, 4> direction = walker.numbers().uniforms<4>();

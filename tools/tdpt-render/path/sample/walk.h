@@ -49,7 +49,7 @@ inline Vec3d way_back(const Walk& walk, int i) {
 }
 
 /// y_0 alone, a walk without edges; its guide totals are not yet set
-/// [Guide::guide_totals_at_light].
+/// [Guide::set_totals_at_light].
 void begin_at_light(const World& world, const Lights::Point& light, Walk& walk);
 
 /// z_0 at the pinhole of `film`, which must outlive the walk, z_1 ... z_n, n <= edges, through

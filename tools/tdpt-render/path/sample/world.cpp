@@ -12,7 +12,7 @@
 #include "libcommon/math/rng.h"
 #include "libcommon/math/streams.h"
 #include "libcommon/scene/texture.h"
-#include "tools/tdpt-render/path/bsdf/surfaces.h"
+#include "tools/tdpt-render/path/bsdf/scatter.h"
 
 namespace tdpt {
 namespace {
@@ -97,7 +97,7 @@ namespace {
 
 // Canonical units. Twice the offset of ray origins [tracer.cpp], so that rays to one surface stop
 // in front of the other.
-constexpr double kHair = 1e-6;
+constexpr double kCoverOffset = 1e-6;
 // Several rounds: of three coincident lamps two are moved, and then one of those again. A triangle
 // missed by the rays of one round may be found in the next.
 constexpr uint32_t kRounds = 8;
@@ -136,14 +136,14 @@ uint32_t found_at(const Tracer& tracer, uint32_t triangle, bool behind, Rng& rng
   const double free = tracer.closest({place, s.normal}, w, hit) ? hit.distance : 2;
   const bool there = tracer.closest({place + w * (free * way), {}}, -w, hit) &&
                      std::abs(dot(hit.normal, s.normal)) > 0.999 &&
-                     std::abs(dot(hit.position - place, s.normal)) < 0.5 * kHair &&
+                     std::abs(dot(hit.position - place, s.normal)) < 0.5 * kCoverOffset &&
                      holds(tracer.shape(hit.triangle), place);
   return there ? hit.triangle : triangle;
 }
 
-/// Gives the triangle vertices of its own, moved by a hair along its normal.
+/// Gives the triangle vertices of its own, moved by kCoverOffset along its normal.
 void move(Scene& scene, uint32_t triangle) {
-  const Vec3d by = shape_of(scene, triangle).normal * kHair;
+  const Vec3d by = shape_of(scene, triangle).normal * kCoverOffset;
   const auto again = [](auto& list, uint32_t vertex) {
     if (!list.empty()) list.push_back(list[vertex]);
   };
@@ -236,7 +236,7 @@ OpenWorld open_world(Scene& scene, bool culls) {
 std::string uncovered_sentence(size_t triangles, const Frame& frame) {
   return fmt::format("{} of lamps {} in another surface: moved {} m before it",
                      triangles == 1 ? "1 triangle" : fmt::format("{} triangles", triangles),
-                     triangles == 1 ? "lies" : "lie", number_words(kHair / frame.scale, 1));
+                     triangles == 1 ? "lies" : "lie", number_words(kCoverOffset / frame.scale, 1));
 }
 
 }  // namespace tdpt

@@ -50,7 +50,7 @@ struct Openings {
                   portals.empty() || !world.lights.sky()
                       ? SkyDirections()
                       : SkyDirections(*world.scene.sky, [&](const Vec3d& towards) {
-                          return portals.guide_total_along(-towards);
+                          return portals.portal_guide_total(true, -towards, {}, shader::FROM_LIGHT);
                         })) {}
 
   PortalSet portals;
