@@ -8,11 +8,11 @@
 #include "libcommon/gpu/kernel.h"
 #include "libcommon/testing/files/temp_folder.h"
 #include "shaders/gpu_test.h"
-#include "shaders/gpu_test_inexact.h"
-#include "shaders/gpu_test_many.h"
-#include "shaders/gpu_test_signed.h"
-#include "shaders/gpu_test_special.h"
-#include "shaders/gpu_test_tables.h"
+#include "shaders/inexact_kernel_test.h"
+#include "shaders/many_kernel_test.h"
+#include "shaders/signed_kernel_test.h"
+#include "shaders/special_kernel_test.h"
+#include "shaders/tables_kernel_test.h"
 
 namespace tdpt::gpu::gpu_test {
 
@@ -124,7 +124,7 @@ TEST_F(Gpu, AKernelCountsInAnImageAndABuffer) {
 TEST_F(Gpu, KernelsAreMadeForTheirConstants) {
   const Buffer buffer(*device, std::vector<uint32_t>{0, 0});
   for (const std::vector<uint32_t>& constants : {std::vector<uint32_t>{}, {1, 70}, {0, 70}, {1}}) {
-    const Kernel kernel(*device, shader::gpu_test_special_spv, {buffer}, 0, constants);
+    const Kernel kernel(*device, shader::special_kernel_test_spv, {buffer}, 0, constants);
     device->run([&](Commands& c) { c.dispatch(kernel, {}, 1); });
     const uint32_t number = constants.size() > 1 ? constants[1] : 7;
     const bool adds = !constants.empty() && constants[0] != 0;
@@ -132,7 +132,7 @@ TEST_F(Gpu, KernelsAreMadeForTheirConstants) {
   }
 }
 
-/// Settings of gpu_test_tables.comp.
+/// Settings of tables_kernel_test.comp.
 Uniforms table_settings(const Device& device, uint32_t factor,
                         const std::vector<uint32_t>& first_texels) {
   std::vector<uint32_t> words{factor, 0, 0, 0};
@@ -168,7 +168,7 @@ TEST_F(Gpu, KernelsReadTablesAsTexelsAndWriteTheirParts) {
   const Buffer words(*device, std::vector<uint32_t>{100, 200, 300, 400});
   const Uniforms settings = table_settings(*device, 3, tables.first_texels());
   const auto kernel_to = [&](const Memory& to) {
-    return Kernel(*device, shader::gpu_test_tables_spv, {tables.texels(), settings, to}, 4);
+    return Kernel(*device, shader::tables_kernel_test_spv, {tables.texels(), settings, to}, 4);
   };
   const Kernel to_room = kernel_to(tables.part(1)), to_words = kernel_to(words);
   const uint32_t first = 0, room = 1, last = 2;
@@ -180,8 +180,8 @@ TEST_F(Gpu, KernelsReadTablesAsTexelsAndWriteTheirParts) {
   });
   EXPECT_EQ(words.download<uint32_t>(4),
             (std::vector<uint32_t>{100 + 39, 200 + 18 + 3, 300 + 27 + 12, 400 + 57 + 27}));
-  EXPECT_EQ(storage_buffers_in(shader::gpu_test_tables_spv), 1u);
-  EXPECT_EQ(storage_buffers_in(shader::gpu_test_many_spv), 33u);
+  EXPECT_EQ(storage_buffers_in(shader::tables_kernel_test_spv), 1u);
+  EXPECT_EQ(storage_buffers_in(shader::many_kernel_test_spv), 33u);
 }
 
 TEST_F(Gpu, ViewsOfBuffersAreHeldToTheirLimits) {
@@ -238,7 +238,7 @@ TEST_F(Gpu, PiecesOfAnImageAreOneLayerOrMore) {
 
 TEST_F(Gpu, SignedImagesCountDown) {
   const Image3D image(*device, {6, 1, 1}, Texel::r32i);
-  const Kernel kernel(*device, shader::gpu_test_signed_spv, {image});
+  const Kernel kernel(*device, shader::signed_kernel_test_spv, {image});
   device->run([&](Commands& c) { c.dispatch(kernel, {}, 1); });
   EXPECT_EQ(image.download(), (std::vector<uint32_t>{~0u, ~1u, ~2u, ~3u, 0, 0}));
 }
@@ -306,7 +306,7 @@ TEST_F(Gpu, WhatIsAboveALimitIsRefusedWithBothNumbers) {
   const Buffer buffer(*device, 16);
   const Image3D image(*device, {1, 1, 1});
   const auto kernel = [&](const std::vector<Memory>& memory, uint32_t push_bytes) {
-    return Kernel(*device, shader::gpu_test_inexact_spv, memory, push_bytes);
+    return Kernel(*device, shader::inexact_kernel_test_spv, memory, push_bytes);
   };
   refused(most.maxPushConstantsSize, "bytes of push constants", most.maxPushConstantsSize + 4,
           [&] { kernel({buffer}, most.maxPushConstantsSize + 4); });
@@ -314,7 +314,7 @@ TEST_F(Gpu, WhatIsAboveALimitIsRefusedWithBothNumbers) {
   const std::vector<Memory> many(kMany, buffer);
   device->impl()->limits.maxPerStageDescriptorStorageBuffers = kMany - 1;
   refused(kMany - 1, "buffers in a kernel", kMany,
-          [&] { Kernel(*device, shader::gpu_test_many_spv, many); });
+          [&] { Kernel(*device, shader::many_kernel_test_spv, many); });
   // Unused bindings are not bound.
   kernel(many, 0);
   const Kernel k = kernel({buffer}, 0);
@@ -471,7 +471,7 @@ TEST_F(Misuse, AMissingBarrierIsTold) {
 
 TEST_F(Misuse, AMissingBarrierAfterAKernelIsTold) {
   Buffer buffer(*device, 64);
-  const Kernel kernel(*device, shader::gpu_test_inexact_spv, {buffer});
+  const Kernel kernel(*device, shader::inexact_kernel_test_spv, {buffer});
   device->run([&](Commands& c) {
     c.dispatch(kernel, {}, 1);
     c.impl().vulkan.dispatch(1, 1, 1);
