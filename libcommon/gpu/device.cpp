@@ -136,21 +136,6 @@ std::vector<DeviceInfo> describe_all(const vk::raii::PhysicalDevices& devices) {
   return infos;
 }
 
-vk::raii::Device open_device(const vk::raii::PhysicalDevice& physical, const DeviceInfo& info,
-                             uint32_t family, bool told) {
-  const float priority = 1;
-  const vk::DeviceQueueCreateInfo queues({}, family, 1, &priority);
-  if (!told) return {physical, vk::DeviceCreateInfo({}, queues)};
-  const char* const tells = VK_KHR_PIPELINE_EXECUTABLE_PROPERTIES_EXTENSION_NAME;
-  const auto all = physical.enumerateDeviceExtensionProperties();
-  if (std::none_of(all.begin(), all.end(), [&](const vk::ExtensionProperties& e) {
-        return std::strcmp(e.extensionName, tells) == 0;
-      }))
-    no_device("the driver of " + info.name + " tells nothing of kernels: it lacks " + tells);
-  const vk::PhysicalDevicePipelineExecutablePropertiesFeaturesKHR feature(VK_TRUE);
-  return {physical, vk::DeviceCreateInfo({}, queues, {}, tells, nullptr, &feature)};
-}
-
 }  // namespace
 
 std::vector<std::string> take_validation_messages() {
@@ -181,7 +166,7 @@ size_t pick_device(const std::vector<DeviceInfo>& devices, const std::string& wh
   no_device("no Vulkan device " + asked + "can be used; there are: " + all);
 }
 
-Device Device::open(const std::string& which, bool told) {
+Device Device::open(const std::string& which) {
   return calling_vulkan("cannot open a Vulkan device", [&] {
     auto impl = std::make_shared<Impl>();
     impl->instance = make_instance();
@@ -193,8 +178,9 @@ Device Device::open(const std::string& which, bool told) {
     impl->physical = all[i];
     impl->limits = all[i].getProperties().limits;
     const uint32_t family = compute_family(all[i]);
-    impl->device = open_device(impl->physical, impl->info, family, told);
-    impl->told = told;
+    const float priority = 1;
+    const vk::DeviceQueueCreateInfo queues({}, family, 1, &priority);
+    impl->device = {impl->physical, vk::DeviceCreateInfo({}, queues)};
     impl->queue = {impl->device, family, 0};
     impl->pool = {impl->device, vk::CommandPoolCreateInfo({}, family)};
     return Device(impl);

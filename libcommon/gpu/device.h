@@ -45,9 +45,8 @@ class Commands;
 
 class Device {
  public:
-  /// `which` as in pick_device. `told`: enables statistics_of() (kernel.h); throws if the driver
-  /// lacks it.
-  static Device open(const std::string& which = "", bool told = false);
+  /// `which` as in pick_device.
+  static Device open(const std::string& which = "");
 
   const DeviceInfo& info() const;
   const Limits& limits() const { return info().limits; }

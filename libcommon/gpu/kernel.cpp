@@ -17,9 +17,7 @@ vk::raii::Pipeline make_pipeline(const Device::Impl& d, std::span<const uint32_t
   const vk::SpecializationInfo special(static_cast<uint32_t>(entries.size()), entries.data(),
                                        4 * constants.size(), constants.data());
   const vk::PipelineShaderStageCreateInfo stage({}, kCompute, *module, "main", &special);
-  using Flag = vk::PipelineCreateFlagBits;
-  const vk::PipelineCreateFlags flags = d.told ? Flag::eCaptureStatisticsKHR : Flag{};
-  return {d.device, nullptr, vk::ComputePipelineCreateInfo(flags, stage, *layout)};
+  return {d.device, nullptr, vk::ComputePipelineCreateInfo({}, stage, *layout)};
 }
 
 // Calls see(words) for each SPIR-V instruction; its first word holds the opcode.
@@ -43,43 +41,6 @@ std::set<uint32_t> decorated(std::span<const uint32_t> program, uint32_t decorat
 std::set<uint32_t> bindings_of(std::span<const uint32_t> program) {
   constexpr uint32_t kBinding = 33;
   return decorated(program, kBinding);
-}
-
-// The bindings of a program, typed by the storage classes of its variables.
-std::vector<vk::DescriptorSetLayoutBinding> layout_of(std::span<const uint32_t> program) {
-  constexpr uint32_t kHeader = 5, kOpVariable = 59, kOpDecorate = 71, kBinding = 33;
-  constexpr uint32_t kUniform = 2, kStorageBuffer = 12;
-  std::map<uint32_t, uint32_t> class_of;
-  std::vector<std::pair<uint32_t, uint32_t>> bound;  // variable, binding
-  for (size_t i = kHeader; i < program.size() && program[i] >> 16 != 0; i += program[i] >> 16) {
-    const uint32_t op = program[i] & 0xFFFF;
-    if (op == kOpVariable) class_of[program[i + 2]] = program[i + 3];
-    if (op == kOpDecorate && program[i + 2] == kBinding)
-      bound.emplace_back(program[i + 1], program[i + 3]);
-  }
-  using Type = vk::DescriptorType;
-  std::vector<vk::DescriptorSetLayoutBinding> slots;
-  for (const auto& [variable, binding] : bound) {
-    const uint32_t storage = class_of[variable];
-    const Type type = storage == kStorageBuffer ? Type::eStorageBuffer
-                      : storage == kUniform     ? Type::eUniformBuffer
-                                                : Type::eUniformTexelBuffer;
-    slots.emplace_back(binding, type, 1, kCompute);
-  }
-  return slots;
-}
-
-double value_of(const vk::PipelineExecutableStatisticKHR& s) {
-  switch (s.format) {
-    case vk::PipelineExecutableStatisticFormatKHR::eBool32:
-      return s.value.b32 ? 1 : 0;
-    case vk::PipelineExecutableStatisticFormatKHR::eInt64:
-      return static_cast<double>(s.value.i64);
-    case vk::PipelineExecutableStatisticFormatKHR::eFloat64:
-      return s.value.f64;
-    default:
-      return static_cast<double>(s.value.u64);
-  }
 }
 
 }  // namespace
@@ -142,23 +103,6 @@ Kernel::Kernel(const Device& device, std::span<const uint32_t> program,
       d.device.updateDescriptorSets(
           vk::WriteDescriptorSet(*k.set, i, 0, 1, m.type, &image, &buffer, &*m.texels), {});
     }
-  });
-}
-
-std::vector<Statistic> statistics_of(const Device& device, std::span<const uint32_t> program,
-                                     uint32_t push_bytes, const std::vector<uint32_t>& constants) {
-  const Device::Impl& d = *device.impl();
-  return calling_vulkan("nothing is told of a kernel on " + d.info.name, [&] {
-    const std::vector<vk::DescriptorSetLayoutBinding> slots = layout_of(program);
-    const vk::raii::DescriptorSetLayout set(d.device, vk::DescriptorSetLayoutCreateInfo({}, slots));
-    const vk::PushConstantRange push(kCompute, 0, push_bytes);
-    const vk::raii::PipelineLayout layout(d.device, {{}, 1, &*set, push_bytes > 0, &push});
-    const vk::raii::Pipeline pipeline = make_pipeline(d, program, layout, constants);
-    std::vector<Statistic> all;
-    for (const vk::PipelineExecutableStatisticKHR& s :
-         d.device.getPipelineExecutableStatisticsKHR({*pipeline, 0}))
-      all.push_back({s.name.data(), value_of(s)});
-    return all;
   });
 }
 

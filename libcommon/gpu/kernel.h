@@ -163,17 +163,6 @@ size_t storage_buffers_in(std::span<const uint32_t> program);
 /// The constant_ids that a program reads: other constants do not change its kernel.
 std::set<uint32_t> constants_of(std::span<const uint32_t> program);
 
-/// A statistic from a driver's compiler, "VGPRs", "Scratch size", as the driver calls it.
-struct Statistic {
-  std::string name;
-  double value;
-};
-/// Needs a device opened with `told`; it may lack memory. `program`, `push_bytes` and `constants`
-/// as for Kernel; bindings may be storage buffers, texels and uniforms.
-std::vector<Statistic> statistics_of(const Device& device, std::span<const uint32_t> program,
-                                     uint32_t push_bytes,
-                                     const std::vector<uint32_t>& constants = {});
-
 /// Push constants: one struct, laid out as in the shader.
 template <class T>
 std::span<const std::byte> push(const T& values) {

@@ -10,6 +10,8 @@
 
 #include "libcommon/base/error.h"
 #include "libcommon/base/process.h"
+#include "libcommon/gpu/statistics_bench.h"
+#include "shaders/path_steps.h"
 #include "tools/tdpt-render/bench/device_traffic.h"
 #include "tools/tdpt-render/device/gpu_renderer.h"
 #include "tools/tdpt-render/device/wavefront.h"
@@ -101,6 +103,61 @@ Spread spread_of(std::vector<double> values) {
   return {values.front(), values[values.size() / 2], values.back()};
 }
 
+// A machine that adds its work to `work`.
+class TimedMachine : public Machine {
+ public:
+  TimedMachine(std::unique_ptr<Machine> machine, bool of_cores, DeviceWork& work)
+      : machine_(std::move(machine)), of_cores_(of_cores), work_(work) {}
+  Capacity room() const override { return machine_->room(); }
+  void set(const shader::RenderParameters& p, const std::vector<uint32_t>& offsets) override {
+    machine_->set(p, offsets);
+  }
+  void prepare(const std::vector<Step>& steps, ProgressBar& progress) override {
+    const double start = wall_seconds();
+    machine_->prepare(steps, progress);
+    work_.making += wall_seconds() - start;
+  }
+  void run(Step step, const shader::StepParameters& p) override {
+    timed(work_.steps[static_cast<size_t>(step)], p.count, [&] {
+      machine_->run(step, p);
+      return 0u;
+    });
+  }
+  uint32_t gather(bool of_light, uint32_t first, uint32_t count) override {
+    return timed(work_.gather, count, [&] { return machine_->gather(of_light, first, count); });
+  }
+  uint32_t pick(uint32_t count) override {
+    return timed(work_.gather, count, [&] { return machine_->pick(count); });
+  }
+  void place_ends(uint32_t walks) override {
+    timed(work_.gather, walks, [&] {
+      machine_->place_ends(walks);
+      return 0u;
+    });
+  }
+  std::vector<uint32_t> take_film() override { return machine_->take_film(); }
+
+ private:
+  static double wall_seconds() {
+    using namespace std::chrono;
+    return duration<double>(steady_clock::now().time_since_epoch()).count();
+  }
+  template <class F>
+  uint32_t timed(StepWork& to, uint32_t invocations, const F& f) {
+    const auto now = [&] { return of_cores_ ? cpu_seconds() : wall_seconds(); };
+    const double before = now();
+    const uint32_t result = f();
+    if (invocations == 0) return result;
+    to.seconds += now() - before;
+    ++to.runs;
+    to.invocations += invocations;
+    return result;
+  }
+  const std::unique_ptr<Machine> machine_;
+  const bool of_cores_;
+  DeviceWork& work_;
+};
+
 // A scene with both renderers.
 struct Stage {
   Stage(const Options& o, const gpu::Device& device)
@@ -112,8 +169,10 @@ struct Stage {
     const FilmPlaces places(pixels(), {}, vista.openings.portals.portals());
     renderer = std::make_shared<WavefrontRenderer>(
         vista,
-        make_gpu_machine(device, tables, capacity_on(device, tables, places.words), places.words,
-                         &work),
+        std::make_unique<TimedMachine>(
+            make_gpu_machine(device, tables, capacity_on(device, tables, places.words),
+                             places.words),
+            of_cores, work),
         device.info().name);
   }
   static std::vector<Portal> portals_of(const Options& o) {
@@ -261,6 +320,27 @@ bool tells_of_room(const std::string& name) {
   return std::find(std::begin(kNames), std::end(kNames), name) != std::end(kNames);
 }
 
+// Of each step's kernel, specialised for a scene with every feature, or for the least: diffuse
+// surfaces behind portals.
+std::array<std::vector<gpu::Statistic>, kStepNames.size()> step_statistics(
+    const gpu::Device& device, bool least) {
+  // In the order of path_bindings.glsl.
+  std::vector<uint32_t> constants;
+  if (least) {
+    constants.assign(19, 0);
+    constants[17] = 1;  // portals
+    constants.insert(constants.end(), {1, 0, 31, 0, 0, 0, 0});
+  }
+  const std::array<std::span<const uint32_t>, kStepNames.size()> programs{
+#define STEP(name, call) shader::path_step_##name##_spv,
+#include "shaders/shared/path/steps.def"
+  };
+  std::array<std::vector<gpu::Statistic>, kStepNames.size()> all;
+  for (size_t i = 0; i < all.size(); ++i)
+    all[i] = statistics_of(device, programs[i], sizeof(shader::StepParameters), constants);
+  return all;
+}
+
 void print_registers(const gpu::Device& device) {
   const auto most = step_statistics(device, false), least = step_statistics(device, true);
   std::string names = "| kernel |", rule = "|---|";
@@ -283,7 +363,7 @@ int run(const std::vector<std::string>& words) {
     return 0;
   }
   const Options o = options_of(words);
-  const gpu::Device device = gpu::Device::open(o.device, o.registers);
+  const gpu::Device device = gpu::Device::open(o.device);
   if (o.registers) {
     print_registers(device);
     return 0;

@@ -1,13 +1,11 @@
 #include "tools/tdpt-render/device/gpu_renderer.h"
 
-#include <chrono>
 #include <cstring>
 #include <map>
 
 #include <fmt/format.h>
 
 #include "libcommon/base/error.h"
-#include "libcommon/base/process.h"
 #include "libcommon/gpu/kernel.h"
 #include "libcommon/math/sequence.h"
 #include "shaders/path_scan.h"
@@ -161,11 +159,9 @@ static_assert([] {
 
 class GpuMachine : public Machine {
  public:
-  GpuMachine(const Device& device, const RenderTables& t, const Capacity& room, uint32_t film_words,
-             DeviceWork* work)
+  GpuMachine(const Device& device, const RenderTables& t, const Capacity& room, uint32_t film_words)
       : device_(device),
         room_(room),
-        work_(work),
         settings_host_{{}, t.portals.guiding, t.lights.settings, {}},
         features_(features_of(t)),
         film_words_(film_words),
@@ -207,50 +203,41 @@ class GpuMachine : public Machine {
 
   // Drivers may defer work to the first dispatch: an empty one triggers it.
   void prepare(const std::vector<Step>& steps, ProgressBar& progress) override {
-    const auto start = std::chrono::steady_clock::now();
     for (const Step step : steps) {
       const Kernel& kernel = kernel_of(static_cast<size_t>(step));
       device_.run(
           [&](gpu::Commands& c) { c.dispatch(kernel, gpu::push(shader::StepParameters{}), 1); });
       progress.advance();
     }
-    const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
-    if (work_) work_->making += took.count();
   }
 
   void run(Step step, const shader::StepParameters& p) override {
     if (p.count == 0) return;
-    const size_t i = static_cast<size_t>(step);
-    const Kernel& kernel = kernel_of(i);
-    const double seconds =
-        timed([&](gpu::Commands& c) { c.dispatch(kernel, gpu::push(p), groups_of(p.count)); });
-    if (work_) add(work_->steps[i], seconds, p.count);
+    const Kernel& kernel = kernel_of(static_cast<size_t>(step));
+    device_.run([&](gpu::Commands& c) { c.dispatch(kernel, gpu::push(p), groups_of(p.count)); });
   }
 
   uint32_t gather(bool of_light, uint32_t first, uint32_t count) override {
     const shader::StepParameters p{count, first, 0};
-    const double seconds = timed([&](gpu::Commands& c) {
+    device_.run([&](gpu::Commands& c) {
       c.dispatch(of_light ? flag_light_ : flag_camera_, gpu::push(p), groups_of(count));
       scan(c, scan_flags_, count);
       c.dispatch(gather_, gpu::push(p), groups_of(count));
     });
-    if (work_) add(work_->gather, seconds, count);
     return total(count);
   }
 
   uint32_t pick(uint32_t count) override {
     if (count == 0) return 0;
-    const double seconds = timed([&](gpu::Commands& c) {
+    device_.run([&](gpu::Commands& c) {
       scan(c, scan_flags_, count);
       c.dispatch(gather_, gpu::push(shader::StepParameters{count, 0, 0}), groups_of(count));
     });
-    if (work_) add(work_->gather, seconds, count);
     return total(count);
   }
 
   void place_ends(uint32_t walks) override {
-    const double seconds = timed([&](gpu::Commands& c) { scan(c, scan_walks_, walks + 1); });
-    if (work_) add(work_->gather, seconds, walks);
+    device_.run([&](gpu::Commands& c) { scan(c, scan_walks_, walks + 1); });
   }
 
   std::vector<uint32_t> take_film() override {
@@ -260,18 +247,6 @@ class GpuMachine : public Machine {
   }
 
  private:
-  static void add(StepWork& to, double seconds, uint32_t invocations) {
-    to.seconds += seconds;
-    ++to.runs;
-    to.invocations += invocations;
-  }
-  double timed(const std::function<void(gpu::Commands&)>& record) {
-    const bool of_cores = device_.info().kind == "cpu";
-    const double before = of_cores ? cpu_seconds() : 0;
-    const double seconds = device_.run(record);
-    return of_cores ? cpu_seconds() - before : seconds;
-  }
-
   static std::vector<uint32_t> features_of(const RenderTables& t) {
     const SurfaceFeatures& f = t.surfaces.features;
     return {f.layers,
@@ -343,7 +318,6 @@ class GpuMachine : public Machine {
 
   Device device_;
   const Capacity room_;
-  DeviceWork* const work_;  // may be null
   shader::AllSettings settings_host_;
   const std::vector<uint32_t> features_;
   // Guided walks, culling camera, techniques, power heuristic, layers, halves, transparent.
@@ -359,21 +333,6 @@ class GpuMachine : public Machine {
 };
 
 }  // namespace
-
-std::array<std::vector<gpu::Statistic>, kOfSteps> step_statistics(const gpu::Device& device,
-                                                                  bool least) {
-  // In the order of features_of() and kind_.
-  std::vector<uint32_t> constants;
-  if (least) {
-    constants.assign(19, 0);
-    constants[17] = 1;  // portals
-    constants.insert(constants.end(), {1, 0, 31, 0, 0, 0, 0});
-  }
-  std::array<std::vector<gpu::Statistic>, kOfSteps> all;
-  for (size_t i = 0; i < kOfSteps; ++i)
-    all[i] = statistics_of(device, kPrograms[i], sizeof(shader::StepParameters), constants);
-  return all;
-}
 
 static uint64_t scene_bytes(const RenderTables& tables) {
   const shader::SceneSpans scene(tables);
@@ -394,9 +353,8 @@ Capacity capacity_on(const gpu::Device& device, const RenderTables& tables, uint
 }
 
 std::unique_ptr<Machine> make_gpu_machine(const gpu::Device& device, const RenderTables& tables,
-                                          const Capacity& room, uint32_t film_words,
-                                          DeviceWork* work) {
-  return std::make_unique<GpuMachine>(device, tables, room, film_words, work);
+                                          const Capacity& room, uint32_t film_words) {
+  return std::make_unique<GpuMachine>(device, tables, room, film_words);
 }
 
 GpuUpload::GpuUpload(const gpu::Device& device, const Vista& vista, const FilmPlanes& planes)
