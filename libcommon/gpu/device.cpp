@@ -16,31 +16,19 @@ constexpr const char* kNoDriver =
   throw Error(Exit::no_device, reason);
 }
 
-// The process fails if messages were left when it ends.
-struct Messages {
-  std::vector<std::string> texts;
-  ~Messages() {
-    if (texts.empty()) return;
-    fmt::print(stderr, "{} Vulkan validation messages\n", texts.size());
-    std::fflush(nullptr);
-    std::_Exit(static_cast<int>(Exit::internal));
-  }
-} messages;
-
 bool validating() {
   const char* v = std::getenv("TDPT_VULKAN_VALIDATION");
   return v && std::string_view(v) == "1";
 }
 
-VKAPI_ATTR VkBool32 VKAPI_CALL keep_message(VkDebugUtilsMessageSeverityFlagBitsEXT,
-                                            VkDebugUtilsMessageTypeFlagsEXT,
-                                            const VkDebugUtilsMessengerCallbackDataEXT* data,
-                                            void*) {
-  const std::string text =
-      fmt::format("{}: {}", data->pMessageIdName ? data->pMessageIdName : "", data->pMessage);
-  fmt::print(stderr, "Vulkan validation: {}\n", text);
-  messages.texts.push_back(text);
-  return VK_FALSE;
+VKAPI_ATTR VkBool32 VKAPI_CALL fail_by_message(VkDebugUtilsMessageSeverityFlagBitsEXT,
+                                               VkDebugUtilsMessageTypeFlagsEXT,
+                                               const VkDebugUtilsMessengerCallbackDataEXT* data,
+                                               void*) {
+  fmt::print(stderr, "Vulkan validation: {}: {}\n",
+             data->pMessageIdName ? data->pMessageIdName : "", data->pMessage);
+  std::fflush(nullptr);
+  std::_Exit(static_cast<int>(Exit::internal));
 }
 
 // The C interface, since vulkan.hpp has changed the callback's type.
@@ -50,7 +38,7 @@ vk::raii::DebugUtilsMessengerEXT make_messenger(const vk::raii::Instance& instan
   info.messageSeverity = VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT |
                          VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT;
   info.messageType = VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT;
-  info.pfnUserCallback = keep_message;
+  info.pfnUserCallback = fail_by_message;
   return {instance, vk::DebugUtilsMessengerCreateInfoEXT(info)};
 }
 
@@ -137,10 +125,6 @@ std::vector<DeviceInfo> describe_all(const vk::raii::PhysicalDevices& devices) {
 }
 
 }  // namespace
-
-std::vector<std::string> take_validation_messages() {
-  return std::exchange(messages.texts, {});
-}
 
 std::vector<DeviceInfo> list_devices() {
   return calling_vulkan("cannot list the Vulkan devices", [] {

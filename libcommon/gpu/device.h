@@ -5,8 +5,8 @@
 // there is no fallback to another device. Everything here must be used by one thread at a time.
 //
 // TDPT_VULKAN_VALIDATION=1 in the environment turns on the Khronos validation layer with
-// synchronisation checks. Its messages go to stderr as they come; if they are not fetched with
-// take_validation_messages(), the process ends with exit code 1.
+// synchronisation checks. Its first message goes to stderr and ends the process with exit code 1;
+// leaks are found when a device's last owner is destroyed.
 #pragma once
 #include <cstdint>
 #include <functional>
@@ -63,9 +63,5 @@ class Device {
   explicit Device(std::shared_ptr<Impl> impl) : impl_(std::move(impl)) {}
   std::shared_ptr<Impl> impl_;  // shared by everything made from the device
 };
-
-/// Validation messages of this process since the last call. Leaks are reported when a device's last
-/// owner is destroyed.
-std::vector<std::string> take_validation_messages();
 
 }  // namespace tdpt::gpu

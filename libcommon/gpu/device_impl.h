@@ -64,7 +64,6 @@ struct Memory::Impl {
 struct Kernel::Impl {
   Device device;
   std::vector<Memory> memory;
-  uint32_t push_bytes;
   vk::raii::DescriptorSetLayout set_layout = nullptr;
   vk::raii::PipelineLayout layout = nullptr;
   vk::raii::Pipeline pipeline = nullptr;

@@ -103,6 +103,11 @@ Spread spread_of(std::vector<double> values) {
   return {values.front(), values[values.size() / 2], values.back()};
 }
 
+double wall_seconds() {
+  using namespace std::chrono;
+  return duration<double>(steady_clock::now().time_since_epoch()).count();
+}
+
 // A machine that adds its work to `work`.
 class TimedMachine : public Machine {
  public:
@@ -112,22 +117,14 @@ class TimedMachine : public Machine {
   void set(const shader::RenderParameters& p, const std::vector<uint32_t>& offsets) override {
     machine_->set(p, offsets);
   }
-  void prepare(const std::vector<Step>& steps, ProgressBar& progress) override {
-    const double start = wall_seconds();
-    machine_->prepare(steps, progress);
-    work_.making += wall_seconds() - start;
-  }
   void run(Step step, const shader::StepParameters& p) override {
     timed(work_.steps[static_cast<size_t>(step)], p.count, [&] {
       machine_->run(step, p);
       return 0u;
     });
   }
-  uint32_t gather(bool of_light, uint32_t first, uint32_t count) override {
-    return timed(work_.gather, count, [&] { return machine_->gather(of_light, first, count); });
-  }
-  uint32_t pick(uint32_t count) override {
-    return timed(work_.gather, count, [&] { return machine_->pick(count); });
+  uint32_t pick(uint32_t count, uint32_t first) override {
+    return timed(work_.gather, count, [&] { return machine_->pick(count, first); });
   }
   void place_ends(uint32_t walks) override {
     timed(work_.gather, walks, [&] {
@@ -138,10 +135,6 @@ class TimedMachine : public Machine {
   std::vector<uint32_t> take_film() override { return machine_->take_film(); }
 
  private:
-  static double wall_seconds() {
-    using namespace std::chrono;
-    return duration<double>(steady_clock::now().time_since_epoch()).count();
-  }
   template <class F>
   uint32_t timed(StepWork& to, uint32_t invocations, const F& f) {
     const auto now = [&] { return of_cores_ ? cpu_seconds() : wall_seconds(); };
@@ -158,6 +151,22 @@ class TimedMachine : public Machine {
   DeviceWork& work_;
 };
 
+// A renderer that adds the time of making kernels.
+struct TimedRenderer : WavefrontRenderer {
+  TimedRenderer(const Vista& vista_, std::unique_ptr<Machine> machine, std::string name,
+                DeviceWork& work_)
+      : WavefrontRenderer(vista_, std::move(machine), std::move(name)), work(work_) {}
+  void prepare(const Integrator& integrator, const SampleRules& rules, const Film& film,
+               bool quiet) override {
+    const DeviceWork before = work;
+    const double start = wall_seconds();
+    WavefrontRenderer::prepare(integrator, rules, film, quiet);
+    work = before;
+    work.making += wall_seconds() - start;
+  }
+  DeviceWork& work;
+};
+
 // A scene with both renderers.
 struct Stage {
   Stage(const Options& o, const gpu::Device& device)
@@ -167,13 +176,13 @@ struct Stage {
         tables(vista),
         of_cores(device.info().kind == "cpu") {
     const FilmPlaces places(pixels(), {}, vista.openings.portals.portals());
-    renderer = std::make_shared<WavefrontRenderer>(
+    renderer = std::make_shared<TimedRenderer>(
         vista,
         std::make_unique<TimedMachine>(
             make_gpu_machine(device, tables, capacity_on(device, tables, places.words),
                              places.words),
             of_cores, work),
-        device.info().name);
+        device.info().name, work);
   }
   static std::vector<Portal> portals_of(const Options& o) {
     std::vector<Portal> portals;
@@ -225,11 +234,7 @@ Candidate candidate_of(const std::string& name, const Options& o, Stage& stage) 
 double one_round(const Candidate& c, const Job& settings, const Stage& stage,
                  SampleRenderer& renderer, RenderResult& result) {
   const bool of_cores = !renderer.on_device() || stage.of_cores;
-  const auto now = [&] {
-    using namespace std::chrono;
-    if (of_cores) return cpu_seconds();
-    return duration<double>(steady_clock::now().time_since_epoch()).count();
-  };
+  const auto now = [&] { return of_cores ? cpu_seconds() : wall_seconds(); };
   const double before = now();
   result = render(renderer, c.integrator, settings);
   return static_cast<double>(stage.pixels() * settings.limits.spp) / (now() - before);

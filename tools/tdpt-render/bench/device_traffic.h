@@ -11,7 +11,7 @@ struct StepWork {
 };
 struct DeviceWork {
   std::array<StepWork, static_cast<size_t>(Step::kSteps)> steps;
-  StepWork gather;    ///< flags, ranks and lists: gather(), pick() and place_ends()
+  StepWork gather;    ///< ranks and lists: pick() and place_ends()
   double making = 0;  ///< seconds of compiling kernels
 };
 
