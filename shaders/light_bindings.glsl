@@ -6,19 +6,11 @@
 #include "shaders/shared/bvh.h"
 #include "shaders/shared/warp.h"
 
-// Whether some surface is not opaque, and whether a texture says where. Scenes without such
-// surfaces use kernels compiled without that part of coverage.h: software devices run both sides of
-// a branch that any lane may take, and every device needs registers for both.
-#ifdef OPAQUE
-const bool scene_has_coverage = false;
-#else
-const bool scene_has_coverage = true;
-#endif
-#ifdef UNTEXTURED
-const bool coverage_has_textures = false;
-#else
-const bool coverage_has_textures = true;
-#endif
+// Whether some surface is not opaque, and whether a texture says where. Kernels are specialised for
+// the scene: software devices run both sides of a branch that any lane may take, and every device
+// needs registers for both.
+layout(constant_id = 0) const bool scene_has_coverage = true;
+layout(constant_id = 1) const bool coverage_has_textures = true;
 // The light grid has no panes of glass: they are non-opaque surfaces like others.
 const bool scene_has_panes = false;
 float opacity_at(uint triangle, vec3 w) { return 1.0; }
@@ -65,11 +57,10 @@ void list_to_march(uint i) {
 }
 
 void count_voxel(ivec3 at, ivec3 direction) {
-  ivec3 texel = ivec3(at.x, at.y, at.z - light.slab_low);
-  imageAtomicAdd(voxel_count, texel, 1u);
-  imageAtomicAdd(voxel_direction_x, texel, direction.x);
-  imageAtomicAdd(voxel_direction_y, texel, direction.y);
-  imageAtomicAdd(voxel_direction_z, texel, direction.z);
+  imageAtomicAdd(voxel_count, at, 1u);
+  imageAtomicAdd(voxel_direction_x, at, direction.x);
+  imageAtomicAdd(voxel_direction_y, at, direction.y);
+  imageAtomicAdd(voxel_direction_z, at, direction.z);
 }
 
 #include "shaders/shared/coverage.h"

@@ -55,9 +55,7 @@ layout(binding = 0) uniform usamplerBuffer path_texels;
   }                                                                         \
   layout(std430, binding = number) buffer Written_##array { type array[]; };
 PATH_TABLES(BIND)
-#define BIND_WORDS(number, array, count) \
-  layout(std430, binding = number) buffer Written_##array { uint array[]; };
-PATH_WORDS(BIND_WORDS)
+layout(std430, binding = FILM_BINDING) buffer Film { uint film_words[]; };
 
 layout(binding = 1) uniform usamplerBuffer scene_texels;
 #define READ(type, name, array)                                              \

@@ -40,10 +40,10 @@ const Picture& Buffers::noisy() const {
   return layer != file_.layers.end() ? layer->second : file_.picture;
 }
 
-Shot Buffers::shot(bool& any) const {
-  Shot shot{half(kHalves[0]), half(kHalves[1]), 0.5, features(any)};
-  shot.share_a = share_of(light(), shot.a, shot.b);
-  return shot;
+NoisyHalves Buffers::halves(bool& any) const {
+  NoisyHalves halves{half(kHalves[0]), half(kHalves[1]), 0.5, features(any)};
+  halves.share_a = share_of(light(), halves.a, halves.b);
+  return halves;
 }
 
 Colour Buffers::light() const {
@@ -184,10 +184,6 @@ struct Taps {
   bool any = false;
 };
 
-size_t index_of(const View& view, int x, int y) {
-  return static_cast<size_t>(y) * static_cast<size_t>(view.film.width()) + static_cast<size_t>(x);
-}
-
 // Linear interpolation at a raster place among the pixels about it that `shows` accepts by their
 // depth.
 template <class Shows>
@@ -200,7 +196,7 @@ Taps taps_at(const View& view, double x, double y, const Shows& shows) {
     const bool right = k % 2, below = k / 2;
     const int column = std::clamp(static_cast<int>(left) + right, 0, view.film.width() - 1);
     const int row = std::clamp(static_cast<int>(top) + below, 0, view.film.height() - 1);
-    taps.pixel[k] = index_of(view, column, row);
+    taps.pixel[k] = view.size().index(column, row);
     if (shows(view.depth[taps.pixel[k]]))
       weights[k] = (right ? across : 1 - across) * (below ? down : 1 - down);
   }
@@ -212,7 +208,7 @@ Taps taps_at(const View& view, double x, double y, const Shows& shows) {
 
 // The pixels of `from` that show what `to` shows in the middle of pixel (x, y).
 Taps pixels_that_show(const View& from, const View& to, int x, int y) {
-  const float depth = to.depth[index_of(to, x, y)];
+  const float depth = to.depth[to.size().index(x, y)];
   if (!(depth > 0)) return {};
   const Vec3d w = to.film.direction(x + 0.5, y + 0.5);
   double u, v;
@@ -234,13 +230,13 @@ struct Brightness {
   Plane least, most;
 };
 
-Brightness brightness_of(const Shot& shot, Size size) {
+Brightness brightness_of(const NoisyHalves& halves, Size size) {
   const auto of_half = [&](const Colour& half) {
     Plane all(size.pixels());
     for (size_t i = 0; i < all.size(); ++i) all[i] = half[0][i] + half[1][i] + half[2][i];
     return medians(all, size);
   };
-  Brightness all{of_half(shot.a), of_half(shot.b)};
+  Brightness all{of_half(halves.a), of_half(halves.b)};
   for (size_t i = 0; i < size.pixels(); ++i)
     std::tie(all.least[i], all.most[i]) = std::minmax({all.least[i], all.most[i]});
   return all;
@@ -260,10 +256,11 @@ bool has_one_brightness(const Taps& taps, const Brightness& brightness) {
 
 }  // namespace
 
-Neighbour reproject(const Shot& there, const View& from, const Shot& here, const View& to) {
+Neighbour reproject(const NoisyHalves& there, const View& from, const NoisyHalves& here,
+                    const View& to) {
   Neighbour all{here, Plane(to.depth.size())};
-  all.shot.share_a = there.share_a;
-  const Brightness brightness = brightness_of(there, {from.film.width(), from.film.height()});
+  all.halves.share_a = there.share_a;
+  const Brightness brightness = brightness_of(there, from.size());
   tbb::parallel_for(0, to.film.height(), [&](int y) {
     for (int x = 0; x < to.film.width(); ++x) {
       const Taps taps = pixels_that_show(from, to, x, y);
@@ -273,14 +270,15 @@ Neighbour reproject(const Shot& there, const View& from, const Shot& here, const
         for (size_t k = 0; k < 4; ++k) value += taps.share[k] * plane[taps.pixel[k]];
         return value;
       };
-      const size_t i = index_of(to, x, y);
+      const size_t i = to.size().index(x, y);
       all.present[i] = 1;
       for (size_t c = 0; c < 3; ++c) {
-        all.shot.a[c][i] = seen(there.a[c]);
-        all.shot.b[c][i] = seen(there.b[c]);
+        all.halves.a[c][i] = seen(there.a[c]);
+        all.halves.b[c][i] = seen(there.b[c]);
       }
       // The depth, the last feature, is that from here.
-      for (size_t f = 0; f + 1 < kFeatures; ++f) all.shot.features[f][i] = seen(there.features[f]);
+      for (size_t f = 0; f + 1 < kFeatures; ++f)
+        all.halves.features[f][i] = seen(there.features[f]);
     }
   });
   return all;

@@ -28,6 +28,7 @@ static_assert(kFeatureChannels.size() == kFeatures);
 struct View {
   FilmPlane film;  ///< metres
   Plane depth;     ///< along the camera's axis [m]; kNothing or more where nothing is seen
+  Size size() const { return {film.width(), film.height()}; }
 };
 inline constexpr float kNothing = 1e9f;
 
@@ -44,7 +45,7 @@ class Buffers {
   Colour light() const;
   /// Checks that the picture is a weighted mean of its halves. `any`: whether there are features;
   /// those that are missing are 0.
-  Shot shot(bool& any) const;
+  NoisyHalves halves(bool& any) const;
   /// Empty if it is missing.
   Plane channel(const std::string& channel) const;
   View view() const;
@@ -64,6 +65,7 @@ class Buffers {
 
 /// `there`, from its view, as seen from that of `here`. Where it does not show what is there, the
 /// neighbour has the numbers of `here`.
-Neighbour reproject(const Shot& there, const View& from, const Shot& here, const View& to);
+Neighbour reproject(const NoisyHalves& there, const View& from, const NoisyHalves& here,
+                    const View& to);
 
 }  // namespace tdpt::denoise

@@ -25,29 +25,29 @@ View view(double pixels, double depth = kWall) {
 }
 
 // Numbers that tell the pixel.
-Shot numbered(float more) {
-  Shot shot;
-  shot.share_a = 0.75;
+NoisyHalves numbered(float more) {
+  NoisyHalves halves;
+  halves.share_a = 0.75;
   Plane plane;
   for (size_t i = 0; i < kSize.pixels(); ++i) plane.push_back(more + static_cast<float>(i));
-  shot.a.fill(plane);
-  shot.b.fill(plane);
-  shot.features.fill(plane);
-  return shot;
+  halves.a.fill(plane);
+  halves.b.fill(plane);
+  halves.features.fill(plane);
+  return halves;
 }
 
 TEST(Reproject, ACameraThatStaysSeesTheSame) {
   const Neighbour all = reproject(numbered(0.5f), view(0), numbered(0), view(0));
   EXPECT_EQ(all.present, Plane(kSize.pixels(), 1.0f));
-  EXPECT_EQ(all.shot.a, numbered(0.5f).a);
-  EXPECT_EQ(all.shot.b, numbered(0.5f).b);
-  EXPECT_EQ(all.shot.features[5], numbered(0.5f).features[5]);
-  EXPECT_EQ(all.shot.features[6], numbered(0).features[6]);  // the depth from here
-  EXPECT_EQ(all.shot.share_a, 0.75);
+  EXPECT_EQ(all.halves.a, numbered(0.5f).a);
+  EXPECT_EQ(all.halves.b, numbered(0.5f).b);
+  EXPECT_EQ(all.halves.features[5], numbered(0.5f).features[5]);
+  EXPECT_EQ(all.halves.features[6], numbered(0).features[6]);  // the depth from here
+  EXPECT_EQ(all.halves.share_a, 0.75);
 }
 
 TEST(Reproject, PlacesAreFoundWhereTheyWereSeen) {
-  const Shot here = numbered(0), there = numbered(0.5f);
+  const NoisyHalves here = numbered(0), there = numbered(0.5f);
   for (const int moved : {7, -5}) {
     const Neighbour all = reproject(there, view(moved), here, view(0));
     for (int x = 0; x < kSize.width; ++x) {
@@ -55,18 +55,18 @@ TEST(Reproject, PlacesAreFoundWhereTheyWereSeen) {
       const bool seen = x >= moved && x < kSize.width + moved;
       EXPECT_EQ(all.present[i], seen ? 1 : 0) << x;
       const size_t j = i - static_cast<size_t>(seen ? moved : 0);
-      EXPECT_EQ(all.shot.a[1][i], seen ? there.a[1][j] : here.a[1][i]) << x;
+      EXPECT_EQ(all.halves.a[1][i], seen ? there.a[1][j] : here.a[1][i]) << x;
     }
   }
 }
 
 TEST(Reproject, BetweenPixelsIsWhatLinearInterpolationSays) {
-  const Shot here = numbered(0), there = numbered(0);
+  const NoisyHalves here = numbered(0), there = numbered(0);
   const Neighbour all = reproject(there, view(2.25), here, view(0));
   for (int x = 3; x < kSize.width; ++x) {
     const size_t i = 20 * 96 + static_cast<size_t>(x);
-    EXPECT_NEAR(all.shot.b[0][i], there.b[0][i] - 2.25f, 1e-3f);
-    EXPECT_NEAR(all.shot.features[0][i], there.features[0][i] - 2.25f, 1e-3f);
+    EXPECT_NEAR(all.halves.b[0][i], there.b[0][i] - 2.25f, 1e-3f);
+    EXPECT_NEAR(all.halves.features[0][i], there.features[0][i] - 2.25f, 1e-3f);
   }
   // Only from those that show the same: here every second column is another surface.
   View striped = view(2.25);
@@ -75,13 +75,13 @@ TEST(Reproject, BetweenPixelsIsWhatLinearInterpolationSays) {
   for (int x = 4; x < kSize.width; ++x) {
     const size_t i = 20 * 96 + static_cast<size_t>(x), j = i - 2;  // the nearest
     EXPECT_EQ(half.present[i], 1);
-    EXPECT_EQ(half.shot.a[0][i], there.a[0][j % 2 == 0 ? j : j - 1]);
+    EXPECT_EQ(half.halves.a[0][i], there.a[0][j % 2 == 0 ? j : j - 1]);
   }
 }
 
 // Between a lamp and a wall, of the same depth, is neither, unless no pixel lies between them.
 TEST(Reproject, NothingIsTakenFromTheEdgeOfALamp) {
-  Shot there = numbered(0);
+  NoisyHalves there = numbered(0);
   Plane plane(kSize.pixels());
   for (size_t i = 0; i < plane.size(); ++i) plane[i] = i % 96 < 40 ? 40.0f : 0.25f;
   plane[20 * 96 + 60] = 1000;  // noise is no edge

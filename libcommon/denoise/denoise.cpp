@@ -60,19 +60,20 @@ void move_toward(Halves& from, const Halves& to, const Plane& share) {
     }
 }
 
-// Filters a picture, of which shots are light, at one resolution.
+// Filters a picture, whose halves are light, at one resolution.
 class Filter {
  public:
   Filter(const Input& in, double light)
       : in_(in),
         size_(in_.size),
         least_(static_cast<float>(1e-10 * light * light)),
-        judge_(size_, in_.shot, light) {}
+        judge_(size_, in_.halves, light) {}
 
   // From the widest bandwidth on as far as the narrower ones are better.
   Halves run() const {
     const std::vector<Crude> crude = make_pilots();
-    auto a = candidates(crude, &Shot::a, &Halves::a), b = candidates(crude, &Shot::b, &Halves::b);
+    auto a = candidates(crude, &NoisyHalves::a, &Halves::a),
+         b = candidates(crude, &NoisyHalves::b, &Halves::b);
     Halves best{std::move(a.back()), std::move(b.back())};
     for (size_t k = a.size() - 1; k-- > 0;) {
       const Halves narrower{std::move(a[k]), std::move(b[k])};
@@ -83,7 +84,9 @@ class Filter {
   }
 
  private:
-  const Shot& shot(size_t k) const { return k == 0 ? in_.shot : in_.neighbours[k - 1].shot; }
+  const NoisyHalves& halves(size_t k) const {
+    return k == 0 ? in_.halves : in_.neighbours[k - 1].halves;
+  }
   const Plane& present(size_t k) const {
     static const Plane all;
     return k == 0 ? all : in_.neighbours[k - 1].present;
@@ -94,7 +97,7 @@ class Filter {
     std::vector<Crude> all(1 + in_.neighbours.size());
     std::vector<Source> a, b;
     for (size_t k = 0; k < all.size(); ++k) {
-      const Shot& s = shot(k);
+      const NoisyHalves& s = halves(k);
       const auto share_a = static_cast<float>(s.share_a);
       Crude& of = all[k];
       of.variance_a = differences(size_, s.a, s.b, 1 - share_a);
@@ -119,14 +122,14 @@ class Filter {
   }
 
   // Estimates of one half with all bandwidths.
-  std::vector<Colour> candidates(const std::vector<Crude>& crude, Colour Shot::*noisy,
+  std::vector<Colour> candidates(const std::vector<Crude>& crude, Colour NoisyHalves::*noisy,
                                  Colour Halves::*half) const {
     std::vector<Source> sources;
     for (size_t k = 0; k < crude.size(); ++k) {
       const Crude& of = crude[k];
       const Colour& tolerance = half == &Halves::a ? of.variance_a : of.variance_b;
       sources.push_back(
-          {shot(k).*noisy, shot(k).features, of.pilot.*half, of.rest, tolerance, present(k)});
+          {halves(k).*noisy, halves(k).features, of.pilot.*half, of.rest, tolerance, present(k)});
     }
     return regressions(size_, sources, {kPatch, least_}, kBandwidths);
   }
@@ -140,15 +143,15 @@ class Filter {
 Colour halved(const Colour& colour, Size size) {
   return {halved(colour[0], size), halved(colour[1], size), halved(colour[2], size)};
 }
-Shot halved(const Shot& shot, Size size) {
-  Shot half{halved(shot.a, size), halved(shot.b, size), shot.share_a, {}};
-  for (size_t f = 0; f < kFeatures; ++f) half.features[f] = halved(shot.features[f], size);
+NoisyHalves halved(const NoisyHalves& halves, Size size) {
+  NoisyHalves half{halved(halves.a, size), halved(halves.b, size), halves.share_a, {}};
+  for (size_t f = 0; f < kFeatures; ++f) half.features[f] = halved(halves.features[f], size);
   return half;
 }
 Input halved(const Input& input) {
-  Input half{half_of(input.size), halved(input.shot, input.size)};
+  Input half{half_of(input.size), halved(input.halves, input.size)};
   for (const Neighbour& n : input.neighbours) {
-    Neighbour small{halved(n.shot, input.size), halved(n.present, input.size)};
+    Neighbour small{halved(n.halves, input.size), halved(n.present, input.size)};
     for (float& v : small.present) v = v < 1 ? 0.0f : 1.0f;
     half.neighbours.push_back(std::move(small));
   }
@@ -166,7 +169,7 @@ void follow(Plane& fine, const Plane& small, const Plane& coarse, const Plane& s
     fine[i] = std::max(fine[i] + (fine[i] + kDim) * change[i], 0.0f);
 }
 
-// A picture, of which shots are light, at one resolution and at half of it, and so on. Where there
+// A picture, whose halves are light, at one resolution and at half of it, and so on. Where there
 // are no details that are certain, the coarser one tells the brightness: its noise is less.
 Halves filtered(const Input& input, double light, int halvings) {
   const Size size = input.size;
@@ -175,7 +178,7 @@ Halves filtered(const Input& input, double light, int halvings) {
     const Input half = halved(input);
     const Halves coarse = filtered(half, light, halvings - 1);
     const Halves small{halved(best.a, size), halved(best.b, size)};
-    const Judge judge(half.size, half.shot, light);
+    const Judge judge(half.size, half.halves, light);
     const Plane share =
         smooth(judge.share(coarse, small, kCertainDetail), half.size, kChoiceSmoothing);
     for (size_t c = 0; c < 3; ++c) {
@@ -183,8 +186,8 @@ Halves filtered(const Input& input, double light, int halvings) {
       follow(best.b[c], small.b[c], coarse.b[c], share, size);
     }
   }
-  const Halves noisy{input.shot.a, input.shot.b};
-  const Judge judge(size, input.shot, light);
+  const Halves noisy{input.halves.a, input.halves.b};
+  const Judge judge(size, input.halves, light);
   move_toward(best, noisy, judge.share(best, noisy, kCertainNoisy));
   return best;
 }
@@ -193,7 +196,7 @@ Halves filtered(const Input& input, double light, int halvings) {
 // floats. Returns the exponent.
 int normalise(Input& input) {
   const double light =
-      mean_of(mean(input.shot.a, input.shot.b, static_cast<float>(input.shot.share_a)));
+      mean_of(mean(input.halves.a, input.halves.b, static_cast<float>(input.halves.share_a)));
   if (!(light > 0)) return 0;
   const int exponent = std::ilogb(light);
   const auto divide = [&](std::initializer_list<Colour*> colours) {
@@ -201,18 +204,18 @@ int normalise(Input& input) {
       for (Plane& plane : *colour)
         for (float& v : plane) v = v > 0 ? std::min(std::ldexp(v, -exponent), kBrightest) : 0;
   };
-  divide({&input.shot.a, &input.shot.b});
+  divide({&input.halves.a, &input.halves.b});
   if (input.guest) divide({&input.guest->a, &input.guest->b, &input.guest->all});
-  for (Neighbour& n : input.neighbours) divide({&n.shot.a, &n.shot.b});
+  for (Neighbour& n : input.neighbours) divide({&n.halves.a, &n.halves.b});
   return exponent;
 }
 
 // Combines the halves, and their mean, with a guest's: the guest's where ours is not better.
 Colour with_guest(Guest& guest, const Input& input, double light, Halves& best) {
   for (Colour* colour : {&guest.a, &guest.b, &guest.all})
-    by_albedo(*colour, Albedo::divide, input.shot.features);
-  const auto share_a = static_cast<float>(input.shot.share_a);
-  const Judge judge(input.size, input.shot, light);
+    by_albedo(*colour, Albedo::divide, input.halves.features);
+  const auto share_a = static_cast<float>(input.halves.share_a);
+  const Judge judge(input.size, input.halves, light);
   Halves all{std::move(guest.a), std::move(guest.b)};
   const Plane share = smooth(judge.share(all, best, kCertainOwn), input.size, kChoiceSmoothing);
   Colour picture = mean(best.a, best.b, share_a);
@@ -228,28 +231,25 @@ Colour with_guest(Guest& guest, const Input& input, double light, Halves& best) 
 
 Result denoise(Input input) {
   const Size size = input.size;
-  Shot& shot = input.shot;
+  NoisyHalves& halves = input.halves;
   const int exponent = normalise(input);
-  const auto share_a = static_cast<float>(shot.share_a);
-  const Halves noisy{shot.a, shot.b};
+  const auto share_a = static_cast<float>(halves.share_a);
+  const Halves noisy{halves.a, halves.b};
   Result result;
   result.picture = mean(noisy.a, noisy.b, share_a);
   const double light = mean_of(result.picture);
   if (!(light > 0)) return result;  // black
-  Outliers a = cut_outliers(size, shot.a, shot.b), b = cut_outliers(size, shot.b, shot.a);
-  shot.a = std::move(a.rest);
-  shot.b = std::move(b.rest);
-  result.outliers = a.pixels + b.pixels;
-  const auto divide_by_albedo = [](Shot& of) {
+  result.outliers = cut_outliers(size, halves.a, halves.b);
+  const auto divide_by_albedo = [](NoisyHalves& of) {
     for (Colour* const half : {&of.a, &of.b}) by_albedo(*half, Albedo::divide, of.features);
   };
-  divide_by_albedo(shot);
-  for (Neighbour& n : input.neighbours) divide_by_albedo(n.shot);
+  divide_by_albedo(halves);
+  for (Neighbour& n : input.neighbours) divide_by_albedo(n.halves);
   Halves best = filtered(input, light, kHalvings);
   result.picture =
       input.guest ? with_guest(*input.guest, input, light, best) : mean(best.a, best.b, share_a);
   estimate_error(input, best, light, result);
-  by_albedo(result.picture, Albedo::multiply, shot.features);
+  by_albedo(result.picture, Albedo::multiply, halves.features);
   restore_light(size, noisy.a, noisy.b, share_a, result.picture);
   result.left_out = std::max(1 - mean_of(result.picture) / light, 0.0);
   for (Plane& plane : result.picture)

@@ -37,15 +37,15 @@
 
 namespace tdpt::denoise {
 
-struct Shot {
+struct NoisyHalves {
   Colour a, b;           ///< the halves; finite, not negative
   double share_a = 0.5;  ///< of the samples, inside (0,1)
   Features features;     ///< the first three: albedo, in [0,1]
 };
 /// Another frame of a moving picture, seen from the camera of this one [buffers.h].
 struct Neighbour {
-  Shot shot;      ///< without outliers
-  Plane present;  ///< 0 where the frame does not show what is there, else 1
+  NoisyHalves halves;  ///< without outliers
+  Plane present;       ///< 0 where the frame does not show what is there, else 1
 };
 /// What another filter makes of the same picture: of each half by itself, and of all samples.
 struct Guest {
@@ -53,7 +53,7 @@ struct Guest {
 };
 struct Input {
   Size size;
-  Shot shot;
+  NoisyHalves halves;
   std::vector<Neighbour> neighbours{};  ///< fewer than kMostSources
   std::optional<Guest> guest{};         ///< taken where it is nearer to the truth
 };

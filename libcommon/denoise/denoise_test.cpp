@@ -27,7 +27,7 @@ TEST(Denoise, NoiseFalls) {
 TEST(Denoise, HalvesThatShareTheirNoiseAreNotFiltered) {
   const TestPicture picture;
   Input input = picture.halves(0.5);
-  input.shot.b = input.shot.a;
+  input.halves.b = input.halves.a;
   EXPECT_LT(gain(picture, input), 1.1);
 }
 
@@ -50,7 +50,7 @@ TEST(Denoise, TheErrorBesideManyOutliersIsNotKnown) {
   const TestPicture picture;
   Input input = picture.halves(0.3);
   for (size_t i = 0; i < TestPicture::kSize.pixels(); i += 10)
-    for (Plane& plane : (i % 20 ? input.shot.a : input.shot.b)) plane[i] *= 20;
+    for (Plane& plane : (i % 20 ? input.halves.a : input.halves.b)) plane[i] *= 20;
   const Result result = denoise(input);
   EXPECT_FALSE(result.left);
   EXPECT_TRUE(result.error.empty());
@@ -62,7 +62,7 @@ TEST(Denoise, TheErrorOfHalvesThatShareNoiseIsNotTold) {
   Input input = picture.halves(0.6);
   for (size_t c = 0; c < 3; ++c)
     for (size_t i = 0; i < TestPicture::kSize.pixels(); ++i)
-      input.shot.b[c][i] = 0.9f * input.shot.a[c][i] + 0.1f * input.shot.b[c][i];
+      input.halves.b[c][i] = 0.9f * input.halves.a[c][i] + 0.1f * input.halves.b[c][i];
   const Result result = denoise(input);
   ASSERT_TRUE(result.left);
   EXPECT_LT(result.left->high, picture.error(result.picture));
@@ -84,7 +84,7 @@ TEST(Denoise, FeaturesOfAnotherPlaceBlurTheTexture) {
   const TestPicture picture;
   Input input = picture.halves(0.2);
   const double right = gain(picture, input);
-  for (Plane& plane : input.shot.features)
+  for (Plane& plane : input.halves.features)
     std::rotate(plane.begin(), plane.begin() + 5, plane.end());
   EXPECT_LT(gain(picture, input), right / 1.3);
 }
@@ -94,16 +94,16 @@ TEST(Denoise, FeaturesOfAnotherPlaceBlurTheTexture) {
 TEST(Denoise, ALampHasNoHalo) {
   const TestPicture picture;
   Input input = picture.halves(0.3);
-  for (Plane& plane : input.shot.features) std::fill(plane.begin(), plane.end(), 0.5f);
+  for (Plane& plane : input.halves.features) std::fill(plane.begin(), plane.end(), 0.5f);
   constexpr float kLamp = 40, kWall = 0.25f;
   const auto row = [](size_t i) { return i / 96; };
-  Neighbour beside{input.shot, Plane(picture.truth[0].size(), 1.0f)};
+  Neighbour beside{input.halves, Plane(picture.truth[0].size(), 1.0f)};
   for (size_t i = 0; i < picture.truth[0].size(); ++i)
-    for (Shot* shot : {&input.shot, &beside.shot})
-      for (Colour* half : {&shot->a, &shot->b}) {
-        const auto u = static_cast<float>(unit_double(mix64(2 * i + (half == &shot->a))));
+    for (NoisyHalves* halves : {&input.halves, &beside.halves})
+      for (Colour* half : {&halves->a, &halves->b}) {
+        const auto u = static_cast<float>(unit_double(mix64(2 * i + (half == &halves->a))));
         // What is beside shows the lamp a fraction of a pixel further down.
-        const float edge = shot == &input.shot ? 0 : 0.05f;
+        const float edge = halves == &input.halves ? 0 : 0.05f;
         const float share = row(i) < 20    ? 1
                             : row(i) == 20 ? 0.4f + 0.2f * u
                             : row(i) == 21 ? edge
@@ -149,7 +149,7 @@ TEST(Denoise, OnePathLeavesNoGlowAndIsTold) {
   constexpr size_t kX = 50, kY = 20;
   const double all =
       TestPicture::mean(picture.truth) * static_cast<double>(picture.truth[0].size());
-  for (Plane& plane : input.shot.a) plane[kY * 96 + kX] += static_cast<float>(2 * 0.07 * all);
+  for (Plane& plane : input.halves.a) plane[kY * 96 + kX] += static_cast<float>(2 * 0.07 * all);
   const Result result = denoise(input);
   EXPECT_EQ(result.outliers, 1);
   EXPECT_NEAR(result.left_out, 0.07 / 1.07, 0.01);
@@ -206,13 +206,13 @@ TEST(Denoise, AWallIsNoCloth) {
   constexpr int kSide = 96;
   const Size size{kSide, kSide};
   Input input{size, {}};
-  for (Colour* half : {&input.shot.a, &input.shot.b})
+  for (Colour* half : {&input.halves.a, &input.halves.b})
     for (Plane& plane : *half)
       for (size_t i = 0; i < size.pixels(); ++i) {
-        const double u = unit_double(mix64(mix64(i) + (half == &input.shot.a)));
+        const double u = unit_double(mix64(mix64(i) + (half == &input.halves.a)));
         plane.push_back(u < 0.1 ? static_cast<float>(-10 * std::log(1 - 10 * u)) : 0);
       }
-  for (Plane& plane : input.shot.features) plane.assign(size.pixels(), 0.5f);
+  for (Plane& plane : input.halves.features) plane.assign(size.pixels(), 0.5f);
   Plane boxes(size.pixels());
   for (int y = 0; y < kSide; ++y)
     for (int x = 0; x < kSide; ++x)
@@ -221,7 +221,7 @@ TEST(Denoise, AWallIsNoCloth) {
                   v = std::clamp(y + d / 13 - 6, 0, kSide - 1);
         const auto beside = static_cast<size_t>(v * kSide + u);
         boxes[static_cast<size_t>(y * kSide + x)] +=
-            (input.shot.a[1][beside] + input.shot.b[1][beside]) / (2 * 169);
+            (input.halves.a[1][beside] + input.halves.b[1][beside]) / (2 * 169);
       }
   const auto is_cloth = [&](const Plane& wall) { return weave(wall, kSide) > 400; };
   EXPECT_FALSE(is_cloth(denoise(input).picture[1]));
@@ -263,16 +263,16 @@ TEST(Denoise, UnequalHalves) {
   const TestPicture picture;
   // As 3 samples: the second half has twice the variance.
   Input input = picture.halves(0.2);
-  input.shot.b = picture.halves(0.2 * std::sqrt(2.0), 2).shot.b;
-  input.shot.share_a = 2.0 / 3;
-  Colour noisy = input.shot.a;
+  input.halves.b = picture.halves(0.2 * std::sqrt(2.0), 2).halves.b;
+  input.halves.share_a = 2.0 / 3;
+  Colour noisy = input.halves.a;
   for (size_t c = 0; c < 3; ++c)
     for (size_t i = 0; i < noisy[c].size(); ++i)
-      noisy[c][i] = (2 * input.shot.a[c][i] + input.shot.b[c][i]) / 3;
+      noisy[c][i] = (2 * input.halves.a[c][i] + input.halves.b[c][i]) / 3;
   EXPECT_GT(picture.error(noisy) / picture.error(denoise(input).picture), 10);
 }
 
-Input with_neighbour(const TestPicture& picture, const Shot& neighbour) {
+Input with_neighbour(const TestPicture& picture, const NoisyHalves& neighbour) {
   Input input = picture.halves(0.5);
   input.neighbours.push_back({neighbour, Plane(TestPicture::kSize.pixels(), 1.0f)});
   return input;
@@ -281,7 +281,7 @@ Input with_neighbour(const TestPicture& picture, const Shot& neighbour) {
 TEST(Denoise, AnotherFrameHelpsAsFarAsItShowsTheSame) {
   const TestPicture picture;
   const double alone = gain(picture, picture.halves(0.5));
-  const Shot before = picture.halves(0.5, 7).shot;
+  const NoisyHalves before = picture.halves(0.5, 7).halves;
   EXPECT_GT(gain(picture, with_neighbour(picture, before)), 1.3 * alone);
   // A frame that is absent changes nothing.
   Input absent = with_neighbour(picture, before);
@@ -291,7 +291,7 @@ TEST(Denoise, AnotherFrameHelpsAsFarAsItShowsTheSame) {
   TestPicture bright = picture;
   for (Plane& plane : bright.truth)
     for (float& v : plane) v *= 3;
-  EXPECT_GT(gain(picture, with_neighbour(picture, bright.halves(0.5, 7).shot)), 0.7 * alone);
+  EXPECT_GT(gain(picture, with_neighbour(picture, bright.halves(0.5, 7).halves)), 0.7 * alone);
 }
 
 TEST(Denoise, UnitsOfLightDoNotMatter) {
@@ -300,7 +300,7 @@ TEST(Denoise, UnitsOfLightDoNotMatter) {
   const Result plain = denoise(input);
   for (const int exponent : {-80, 60, 100}) {
     Input other = input;
-    for (Colour* half : {&other.shot.a, &other.shot.b})
+    for (Colour* half : {&other.halves.a, &other.halves.b})
       for (Plane& plane : *half)
         for (float& v : plane) v = std::ldexp(v, exponent);
     const Result result = denoise(other);
@@ -313,7 +313,7 @@ TEST(Denoise, OneEnormousPixelLeavesNumbers) {
   const TestPicture picture;
   Input input = picture.halves(0.5);
   for (const size_t i : {2000, 2001, 2096, 2097})
-    for (Colour* half : {&input.shot.a, &input.shot.b})
+    for (Colour* half : {&input.halves.a, &input.halves.b})
       for (Plane& plane : *half) plane[i] = 1e25f;
   const Result result = denoise(input);
   for (const Plane& plane : result.picture)
@@ -323,10 +323,10 @@ TEST(Denoise, OneEnormousPixelLeavesNumbers) {
 
 TEST(Denoise, SmallAndBlackPictures) {
   Input input{{1, 1}, {}};
-  for (size_t c = 0; c < 3; ++c) input.shot.a[c] = input.shot.b[c] = {0.0f};
-  for (Plane& plane : input.shot.features) plane = {0.0f};
+  for (size_t c = 0; c < 3; ++c) input.halves.a[c] = input.halves.b[c] = {0.0f};
+  for (Plane& plane : input.halves.features) plane = {0.0f};
   EXPECT_EQ(denoise(input).picture[0][0], 0);
-  input.shot.a[0][0] = input.shot.b[0][0] = 2;
+  input.halves.a[0][0] = input.halves.b[0][0] = 2;
   EXPECT_FLOAT_EQ(denoise(input).picture[0][0], 2);
 }
 

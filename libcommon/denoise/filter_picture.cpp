@@ -17,19 +17,13 @@ namespace {
 
 constexpr size_t kBytesOfFramesPixel = 200;  // of each frame beside it
 
-Shot without_outliers(Size size, Shot shot) {
-  Colour rest = cut_outliers(size, shot.a, shot.b).rest;
-  shot.b = cut_outliers(size, shot.b, shot.a).rest;
-  shot.a = std::move(rest);
-  return shot;
-}
-
-// A frame before or after, as a neighbour; `shot` is this one, without outliers.
-Neighbour neighbour_of(const NamedPicture& frame, const Shot& shot, const View& view) {
+// A frame before or after, as a neighbour; `halves` is this one, without outliers.
+Neighbour neighbour_of(const NamedPicture& frame, const NoisyHalves& halves, const View& view) {
   const Buffers buffers(frame.file, frame.name);
   bool any = false;
-  const Shot there = without_outliers(buffers.size(), buffers.shot(any));
-  return reproject(there, buffers.view(), shot, view);
+  NoisyHalves there = buffers.halves(any);
+  cut_outliers(buffers.size(), there.a, there.b);
+  return reproject(there, buffers.view(), halves, view);
 }
 
 // The share of the pixels that any of them shows.
@@ -54,7 +48,8 @@ std::vector<Rgb> triples(const Buffers& buffers, size_t first) {
 
 // What the guest makes of all samples and of the halves; nothing where it is not installed or does
 // not run.
-std::optional<Guest> guest_of(const Buffers& buffers, const Shot& shot, std::string& name) try {
+std::optional<Guest> guest_of(const Buffers& buffers, const NoisyHalves& halves,
+                              std::string& name) try {
   OpenImageDenoise oidn;
   const std::vector<Rgb> albedo = triples(buffers, 0), normal = triples(buffers, 3);
   const auto filtered = [&](const Colour& noisy) {
@@ -66,7 +61,7 @@ std::optional<Guest> guest_of(const Buffers& buffers, const Shot& shot, std::str
       for (size_t c = 0; c < 3; ++c) planes[c].push_back(p[static_cast<int>(c)]);
     return planes;
   };
-  Guest guest{filtered(shot.a), filtered(shot.b), filtered(buffers.light())};
+  Guest guest{filtered(halves.a), filtered(halves.b), filtered(buffers.light())};
   name = fmt::format("{} {}", kKinds[2], oidn.version());
   return guest;
 } catch (const Error&) {
@@ -76,18 +71,19 @@ std::optional<Guest> guest_of(const Buffers& buffers, const Shot& shot, std::str
 // Replaces the pixels of `picture`, by the halves, and returns the errors.
 Plane filter_by_regression(const Buffers& buffers, Kind kind, std::span<const NamedPicture> frames,
                            Picture& picture, Filtered& filtered) {
-  Input input{buffers.size(), buffers.shot(filtered.has_features)};
+  Input input{buffers.size(), buffers.halves(filtered.has_features)};
   filtered.denoiser = kKinds[1];
-  filtered.share_a = input.shot.share_a;
+  filtered.share_a = input.halves.share_a;
   if (!frames.empty()) {
-    const Shot calm = without_outliers(buffers.size(), input.shot);
+    NoisyHalves calm = input.halves;
+    cut_outliers(buffers.size(), calm.a, calm.b);
     const View view = buffers.view();
     for (const NamedPicture& frame : frames)
       input.neighbours.push_back(neighbour_of(frame, calm, view));
     filtered.seen_elsewhere = share_present(input.neighbours);
   } else if (kind == Kind::automatic) {
     std::string guest;
-    input.guest = guest_of(buffers, input.shot, guest);
+    input.guest = guest_of(buffers, input.halves, guest);
     if (input.guest) filtered.denoiser += " + " + guest;
   }
   Result result = denoise(std::move(input));

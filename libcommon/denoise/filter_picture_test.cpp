@@ -19,8 +19,8 @@ Picture picture_of(const Colour& colour) {
 ExrFile file_of(const TestPicture& test, double noise, double share_a = 0.5) {
   const Input input = test.halves(noise);
   ExrFile file;
-  file.layers["halfA"] = picture_of(input.shot.a);
-  file.layers["halfB"] = picture_of(input.shot.b);
+  file.layers["halfA"] = picture_of(input.halves.a);
+  file.layers["halfB"] = picture_of(input.halves.b);
   file.picture = file.layers["halfA"];
   for (size_t i = 0; i < file.picture.pixels.size(); ++i)
     file.picture.pixels[i] = file.layers["halfA"].pixels[i] * static_cast<float>(share_a) +
@@ -174,7 +174,7 @@ Film film_of(uint64_t samples) {
   const TestPicture test;
   Film film(TestPicture::kSize.width, TestPicture::kSize.height, 1, {.halves = true});
   for (uint64_t s = 0; s < samples; ++s) {
-    const Picture sample = picture_of(test.halves(0.3, s).shot.a);
+    const Picture sample = picture_of(test.halves(0.3, s).halves.a);
     for (size_t i = 0; i < sample.pixels.size(); ++i)
       film.add(static_cast<int>(i % 96), static_cast<int>(i / 96), Vec3d(sample.pixels[i]), 0, s);
   }

@@ -47,11 +47,11 @@ void by_albedo(Colour& colour, Albedo how, const Features& features) {
     }
 }
 
-Judge::Judge(Size size, const Shot& shot, double light)
-    : size_(size), share_a_(static_cast<float>(shot.share_a)), noisy_(shot) {
+Judge::Judge(Size size, const NoisyHalves& halves, double light)
+    : size_(size), share_a_(static_cast<float>(halves.share_a)), noisy_(halves) {
   // Squared errors are relative to the brightness around, as in relMSE.
-  per_ = mean(shot.a, shot.b, share_a_);
-  by_albedo(per_, Albedo::multiply, shot.features);
+  per_ = mean(halves.a, halves.b, share_a_);
+  by_albedo(per_, Albedo::multiply, halves.features);
   for (Plane& plane : per_) {
     plane = smooth(plane, size_, kBrightnessSmoothing);
     for (float& v : plane) {
@@ -59,13 +59,13 @@ Judge::Judge(Size size, const Shot& shot, double light)
       v = static_cast<float>(1 / (3 * (bright * bright + kDark * light * light)));
     }
   }
-  by_albedo(per_, Albedo::multiply, shot.features);
-  by_albedo(per_, Albedo::multiply, shot.features);
+  by_albedo(per_, Albedo::multiply, halves.features);
+  by_albedo(per_, Albedo::multiply, halves.features);
   noise_.resize(size.pixels());
   for (size_t c = 0; c < 3; ++c)
     for (size_t i = 0; i < noise_.size(); ++i) {
-      const float apart = shot.a[c][i] - shot.b[c][i];
-      noise_[i] += per_[c][i] * share_a_ * (1 - share_a_) * (apart * apart);
+      const float difference = halves.a[c][i] - halves.b[c][i];
+      noise_[i] += per_[c][i] * share_a_ * (1 - share_a_) * (difference * difference);
     }
   noise_ = smooth(noise_, size_, kNoiseSmoothing);
 }
@@ -99,8 +99,9 @@ float Judge::squared_error(const Halves& f, size_t c, size_t i) const {
   const float noise = noisy_.a[c][i] - noisy_.b[c][i];
   const float v_a = s_b * (noise * noise), v_b = s_a * (noise * noise);
   const float off_a = f.a[c][i] - noisy_.b[c][i], off_b = f.b[c][i] - noisy_.a[c][i];
-  const float apart = f.a[c][i] - f.b[c][i];
-  return s_a * (off_a * off_a - v_b) + s_b * (off_b * off_b - v_a) - s_a * s_b * (apart * apart);
+  const float difference = f.a[c][i] - f.b[c][i];
+  return s_a * (off_a * off_a - v_b) + s_b * (off_b * off_b - v_a) -
+         s_a * s_b * (difference * difference);
 }
 
 namespace {
@@ -112,20 +113,20 @@ struct Squares {
   double noise = 0;
 };
 Squares squares_of(const Input& input, const Halves& f, double light) {
-  const auto share_a = static_cast<float>(input.shot.share_a);
-  const Judge judge(input.size, input.shot, light);
+  const auto share_a = static_cast<float>(input.halves.share_a);
+  const Judge judge(input.size, input.halves, light);
   Squares all{Plane(input.size.pixels()), Plane(input.size.pixels())};
   const Colour picture = mean(f.a, f.b, share_a);
   for (size_t c = 0; c < 3; ++c)
     for (size_t i = 0; i < all.error.size(); ++i) {
-      const double albedo = static_cast<double>(input.shot.features[c][i] + kAlbedoOffset);
+      const double albedo = static_cast<double>(input.halves.features[c][i] + kAlbedoOffset);
       const double bright = albedo * static_cast<double>(picture[c][i]);
       const auto per =
           static_cast<float>(albedo * albedo / (3 * (bright * bright + kDark * light * light)));
-      const float apart = f.a[c][i] - f.b[c][i];
+      const float difference = f.a[c][i] - f.b[c][i];
       all.error[i] += per * judge.squared_error(f, c, i);
-      all.variance[i] += per * share_a * (1 - share_a) * apart * apart;
-      const float noise = input.shot.a[c][i] - input.shot.b[c][i];
+      all.variance[i] += per * share_a * (1 - share_a) * difference * difference;
+      const float noise = input.halves.a[c][i] - input.halves.b[c][i];
       all.noise += static_cast<double>(per * share_a * (1 - share_a) * noise * noise);
     }
   all.noise /= static_cast<double>(input.size.pixels());
@@ -140,8 +141,8 @@ std::optional<double> deviation_of_mean(const Plane& plane, Size size) {
   std::vector<double> tiles(count);
   for (int y = 0; y < down * kTile; ++y)
     for (int x = 0; x < across * kTile; ++x)
-      tiles[static_cast<size_t>(y / kTile * across + x / kTile)] += static_cast<double>(
-          plane[static_cast<size_t>(y) * static_cast<size_t>(size.width) + static_cast<size_t>(x)]);
+      tiles[static_cast<size_t>(y / kTile * across + x / kTile)] +=
+          static_cast<double>(plane[size.index(x, y)]);
   const auto n = static_cast<double>(count);
   double mean = 0, squares = 0;
   for (const double t : tiles) mean += t / n;

@@ -23,8 +23,8 @@ void by_albedo(Colour& colour, Albedo how, const Features& features);
 /// Tells by the halves which of two estimates is nearer to the truth.
 class Judge {
  public:
-  /// `light`: mean radiance. Keeps a reference to the shot.
-  Judge(Size size, const Shot& shot, double light);
+  /// `light`: mean radiance. Keeps a reference to the halves.
+  Judge(Size size, const NoisyHalves& halves, double light);
 
   /// The share w of the way from one estimate, f, to another, f + d, that has the least error
   /// around each pixel, itself left out: its own noise would favour the estimate that happens to be
@@ -40,7 +40,7 @@ class Judge {
  private:
   const Size size_;
   const float share_a_;
-  const Shot& noisy_;
+  const NoisyHalves& noisy_;
   Colour per_;   // factors of squared errors
   Plane noise_;  // relative variance of the noise
 };

@@ -1,10 +1,9 @@
 #include "libcommon/denoise/oidn.h"
 
 #include <dlfcn.h>
+#include <glob.h>
 
-#include <algorithm>
 #include <cstdlib>
-#include <filesystem>
 
 #include <fmt/format.h>
 #include <oneapi/tbb/global_control.h>
@@ -14,36 +13,25 @@
 namespace tdpt::denoise {
 namespace {
 
-namespace fs = std::filesystem;
-
 constexpr int kCpu = 1, kFloat3 = 3;  // OIDN_DEVICE_TYPE_CPU, OIDN_FORMAT_FLOAT3
-
-// Entries of a folder, in alphabetical order; none if it cannot be read.
-std::vector<fs::path> entries(const fs::path& folder) {
-  std::vector<fs::path> all;
-  std::error_code error;
-  for (fs::directory_iterator at(folder, error), end; !error && at != end; at.increment(error))
-    all.push_back(at->path());
-  std::sort(all.begin(), all.end());
-  return all;
-}
 
 // Names for the loader, then files of the Python package pyoidn.
 std::vector<std::string> places() {
   std::vector<std::string> all{"libOpenImageDenoise.so.2", "libOpenImageDenoise.so.1",
                                "libOpenImageDenoise.so.0", "libOpenImageDenoise.so"};
-  std::vector<fs::path> roots{"/usr/local", "/usr"};
+  std::vector<std::string> roots{"/usr/local", "/usr"};
   if (const char* home = std::getenv("HOME"))
-    roots.insert(roots.begin(), fs::path(home) / ".local");
+    roots.insert(roots.begin(), std::string(home) + "/.local");
   if (const char* environment = std::getenv("VIRTUAL_ENV"))
     roots.insert(roots.begin(), environment);
-  for (const fs::path& root : roots)
-    for (const fs::path& python : entries(root / "lib"))
-      if (python.filename().string().starts_with("python3"))
-        for (const char* packages : {"site-packages", "dist-packages"})
-          for (const fs::path& file : entries(python / packages / "pyoidn/oidn/lib"))
-            if (file.filename().string().starts_with("libOpenImageDenoise.so."))
-              all.push_back(file.string());
+  for (const std::string& root : roots) {
+    glob_t found{};
+    const std::string files =
+        root + "/lib/python3*/*-packages/pyoidn/oidn/lib/libOpenImageDenoise.so.*";
+    if (glob(files.c_str(), 0, nullptr, &found) == 0)
+      all.insert(all.end(), found.gl_pathv, found.gl_pathv + found.gl_pathc);
+    globfree(&found);
+  }
   return all;
 }
 

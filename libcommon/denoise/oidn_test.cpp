@@ -73,7 +73,7 @@ TEST_F(Oidn, HelpsByDefault) {
   const auto filtered = [&](std::string& denoiser) {
     ExrFile file;
     for (const auto& [layer, planes] :
-         {std::pair("halfA", input.shot.a), {"halfB", input.shot.b}}) {
+         {std::pair("halfA", input.halves.a), {"halfB", input.halves.b}}) {
       file.layers[layer] = {TestPicture::kSize.width, TestPicture::kSize.height, {}};
       for (size_t i = 0; i < TestPicture::kSize.pixels(); ++i)
         file.layers[layer].pixels.emplace_back(planes[0][i], planes[1][i], planes[2][i]);

@@ -33,29 +33,14 @@ class Bell {
   std::vector<float> weights_;
 };
 
-// The sums of weights that smooth() divides by: less at the borders.
-Plane weights_of_smoothing(Size size, double deviation) {
-  const Bell bell(deviation);
-  Plane columns;
-  for (int x = 0; x < size.width; ++x) columns.push_back(bell.sum(x, size.width));
-  Plane all;
-  all.reserve(size.pixels());
-  for (int y = 0; y < size.height; ++y) {
-    const float row = bell.sum(y, size.height);
-    for (const float column : columns) all.push_back(row * column);
-  }
-  return all;
-}
-
 }  // namespace
 
 Plane smooth(const Plane& plane, Size size, double deviation) {
   const Bell bell(deviation);
-  const auto width = static_cast<size_t>(size.width);
   Plane rows(plane.size()), all(plane.size());
   tbb::parallel_for(0, size.height, [&](int y) {
-    const float* from = plane.data() + static_cast<size_t>(y) * width;
-    float* to = rows.data() + static_cast<size_t>(y) * width;
+    const float* from = plane.data() + size.index(0, y);
+    float* to = rows.data() + size.index(0, y);
     for (int x = 0; x < size.width; ++x) {
       float sum = 0;
       for (int k = bell.first(x); k <= bell.last(x, size.width); ++k) sum += bell(k - x) * from[k];
@@ -63,9 +48,10 @@ Plane smooth(const Plane& plane, Size size, double deviation) {
     }
   });
   tbb::parallel_for(0, size.height, [&](int y) {
-    float* to = all.data() + static_cast<size_t>(y) * width;
+    float* to = all.data() + size.index(0, y);
+    const auto width = static_cast<size_t>(size.width);
     for (int k = bell.first(y); k <= bell.last(y, size.height); ++k) {
-      const float* from = rows.data() + static_cast<size_t>(k) * width;
+      const float* from = rows.data() + size.index(0, k);
       const float w = bell(k - y);
       for (size_t x = 0; x < width; ++x) to[x] += w * from[x];
     }
@@ -76,10 +62,14 @@ Plane smooth(const Plane& plane, Size size, double deviation) {
 }
 
 Plane smooth_others(const Plane& plane, Size size, double deviation) {
+  const Bell bell(deviation);
   Plane all = smooth(plane, size, deviation);
-  const Plane weights = weights_of_smoothing(size, deviation);
-  for (size_t i = 0; i < all.size(); ++i)
-    if (weights[i] > 1) all[i] = (all[i] * weights[i] - plane[i]) / (weights[i] - 1);
+  for (int y = 0; y < size.height; ++y)
+    for (int x = 0; x < size.width; ++x) {
+      const size_t i = size.index(x, y);
+      const float weights = bell.sum(y, size.height) * bell.sum(x, size.width);
+      if (weights > 1) all[i] = (all[i] * weights - plane[i]) / (weights - 1);
+    }
   return all;
 }
 
@@ -88,9 +78,7 @@ Plane halved(const Plane& plane, Size size) {
   Plane all;
   all.reserve(half.pixels());
   const auto at = [&](int x, int y) {
-    return plane[static_cast<size_t>(std::min(y, size.height - 1)) *
-                     static_cast<size_t>(size.width) +
-                 static_cast<size_t>(std::min(x, size.width - 1))];
+    return plane[size.index(std::min(x, size.width - 1), std::min(y, size.height - 1))];
   };
   for (int y = 0; y < size.height; y += 2)
     for (int x = 0; x < size.width; x += 2)
@@ -107,9 +95,8 @@ Plane doubled(const Plane& plane, Size size) {
     return std::clamp(k / 2 + (k % 2 ? 1 : -1), 0, count - 1);
   };
   for (int y = 0; y < size.height; ++y) {
-    const float* near = plane.data() + static_cast<size_t>(y / 2) * static_cast<size_t>(half.width);
-    const float* far = plane.data() + static_cast<size_t>(beside(y, half.height)) *
-                                          static_cast<size_t>(half.width);
+    const float* near = plane.data() + half.index(0, y / 2);
+    const float* far = plane.data() + half.index(0, beside(y, half.height));
     for (int x = 0; x < size.width; ++x) {
       const int own = x / 2, other = beside(x, half.width);
       all.push_back(0.0625f * (9 * near[own] + 3 * (near[other] + far[own]) + far[other]));
@@ -126,12 +113,10 @@ Plane medians(const Plane& plane, Size size) {
       auto end = around.begin();
       for (int v = std::max(0, y - 1); v <= std::min(size.height - 1, y + 1); ++v)
         for (int u = std::max(0, x - 1); u <= std::min(size.width - 1, x + 1); ++u)
-          *end++ = plane[static_cast<size_t>(v) * static_cast<size_t>(size.width) +
-                         static_cast<size_t>(u)];
+          *end++ = plane[size.index(u, v)];
       const auto middle = around.begin() + (end - around.begin()) / 2;
       std::nth_element(around.begin(), middle, end);
-      all[static_cast<size_t>(y) * static_cast<size_t>(size.width) + static_cast<size_t>(x)] =
-          *middle;
+      all[size.index(x, y)] = *middle;
     }
   });
   return all;
@@ -160,8 +145,7 @@ Brightest brightest(const Plane& plane, Size size, int x, int y, int reach) {
   float other = 0;
   for (int v = std::max(0, y - reach); v <= std::min(size.height - 1, y + reach); ++v)
     for (int u = std::max(0, x - reach); u <= std::min(size.width - 1, x + reach); ++u) {
-      const float value =
-          plane[static_cast<size_t>(v) * static_cast<size_t>(size.width) + static_cast<size_t>(u)];
+      const float value = plane[size.index(u, v)];
       found.first = std::max(found.first, value);
       if (u == x && v == y) continue;
       found.second_other = std::max(found.second_other, std::min(other, value));
@@ -170,27 +154,33 @@ Brightest brightest(const Plane& plane, Size size, int x, int y, int reach) {
   return found;
 }
 
-}  // namespace
-
-Outliers cut_outliers(Size size, const Colour& half, const Colour& other) {
+// One half, and the number of pixels that were darkened.
+Colour without_outliers(Size size, const Colour& half, const Colour& other,
+                        std::atomic<size_t>& pixels) {
   const Plane own = luminances(half), others = luminances(other);
-  Outliers outliers;
-  outliers.rest = half;
-  std::atomic<size_t> pixels{0};
+  Colour rest = half;
   tbb::parallel_for(0, size.height, [&](int y) {
     for (int x = 0; x < size.width; ++x) {
-      const size_t i =
-          static_cast<size_t>(y) * static_cast<size_t>(size.width) + static_cast<size_t>(x);
+      const size_t i = size.index(x, y);
       if (!(own[i] > 0)) continue;
       const float most = kTooBright * std::max(brightest(own, size, x, y, 2).second_other,
                                                brightest(others, size, x, y, 1).first);
       if (own[i] <= most) continue;
       ++pixels;
-      for (Plane& plane : outliers.rest) plane[i] *= most / own[i];
+      for (Plane& plane : rest) plane[i] *= most / own[i];
     }
   });
-  outliers.pixels = pixels;
-  return outliers;
+  return rest;
+}
+
+}  // namespace
+
+size_t cut_outliers(Size size, Colour& a, Colour& b) {
+  std::atomic<size_t> pixels{0};
+  Colour rest = without_outliers(size, a, b, pixels);
+  b = without_outliers(size, b, a, pixels);
+  a = std::move(rest);
+  return pixels;
 }
 
 // r = smoothed(half - picture) / smoothed(picture) of both halves, v the variance of their mean:
@@ -207,8 +197,8 @@ void restore_light(Size size, const Colour& a, const Colour& b, float share_a, C
   const Plane of_a = missing(a), of_b = missing(b);
   Plane noise(own.size());
   for (size_t i = 0; i < noise.size(); ++i) {
-    const float apart = of_a[i] - of_b[i];
-    noise[i] = share_a * (1 - share_a) * apart * apart;
+    const float difference = of_a[i] - of_b[i];
+    noise[i] = share_a * (1 - share_a) * difference * difference;
   }
   const Plane usual = smooth(noise, size, kSpread);
   for (size_t i = 0; i < noise.size(); ++i) {

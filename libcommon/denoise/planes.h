@@ -10,6 +10,9 @@ namespace tdpt::denoise {
 struct Size {
   int width = 0, height = 0;
   size_t pixels() const { return static_cast<size_t>(width) * static_cast<size_t>(height); }
+  size_t index(int x, int y) const {
+    return static_cast<size_t>(y) * static_cast<size_t>(width) + static_cast<size_t>(x);
+  }
 };
 
 using Plane = std::vector<float>;
@@ -32,16 +35,11 @@ Plane doubled(const Plane& plane, Size size);
 /// Median of each pixel and those around it, 3 x 3; at the borders of those that there are.
 Plane medians(const Plane& plane, Size size);
 
-/// Outliers are pixels that a rare bright path made far brighter than their neighbours, in one half
-/// of the samples alone. What is really so bright is bright in both halves.
-struct Outliers {
-  size_t pixels = 0;
-  Colour rest;  ///< the half without their excess
-};
-
-/// Darkens the outliers of one half to twice the brightness of their surroundings: the second
-/// brightest of its 5 x 5 pixels around, or the brightest of the other half's 3 x 3.
-Outliers cut_outliers(Size size, const Colour& half, const Colour& other);
+/// Darkens the outliers of two halves and returns their number. Those are pixels that a rare bright
+/// path made far brighter than their neighbours, in one half of the samples alone: what is really
+/// so bright is bright in both. They get twice the brightness of their surroundings: the second
+/// brightest of the half's 5 x 5 pixels around, or the brightest of the other half's 3 x 3.
+size_t cut_outliers(Size size, Colour& a, Colour& b);
 
 /// Gives back what the filter and the cut took away from both halves, averaged over the pixels
 /// around and in proportion to their light: so brightness stays. What one half alone lacks, as the

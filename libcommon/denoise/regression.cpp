@@ -28,7 +28,7 @@ constexpr int kOwn = kOffsets / 2;  // the offset of a pixel to itself
 constexpr float kLeastOwn = 1e-6f;  // its weight where no other is alike
 
 // What distances are made of.
-struct Look {
+struct GuideTile {
   float guide[3][kGuideRows][kGuideColumns], variance[3][kGuideRows][kGuideColumns],
       tolerance[3][kGuideRows][kGuideColumns];
 };
@@ -37,7 +37,7 @@ struct Tile {
   int x, y;    // of its top left pixel
   int frames;  // planes of frames follow each other
   float colour[3][kMostSources * kArea], features[kFeatures][kMostSources * kArea];
-  Look looks[kMostSources];
+  GuideTile guides[kMostSources];
   float present[kArea];
   float distance[kMostSources * kOffsets][kHeight][kWidth];
 };
@@ -48,16 +48,16 @@ void copy(const Plane& from, Size size, const Tile& tile, int margin, float* to)
   const int rows = kHeight + 2 * margin, columns = kWidth + 2 * margin;
   for (int y = 0; y < rows; ++y) {
     const int row = std::clamp(tile.y + y - margin, 0, size.height - 1);
-    const float* source = from.data() + static_cast<size_t>(row) * static_cast<size_t>(size.width);
+    const float* source = from.data() + size.index(0, row);
     for (int x = 0; x < columns; ++x)
       *to++ = source[std::clamp(tile.x + x - margin, 0, size.width - 1)];
   }
 }
 
 // Distances of all pixels of the tile to those of another frame, or the same, at one offset.
-void measure(const Tile& tile, const Look& other, Patches patches, Size size, int dx, int dy,
+void measure(const Tile& tile, const GuideTile& other, Patches patches, Size size, int dx, int dy,
              float (&distance)[kHeight][kWidth]) {
-  const Look& own = tile.looks[0];
+  const GuideTile& own = tile.guides[0];
   const int patch = patches.radius, columns = kWidth + 2 * patch, rows = kHeight + 2 * patch;
   constexpr int kMostColumns = kWidth + 2 * kMostPatch, kMostRows = kHeight + 2 * kMostPatch;
   float raw[kMostRows][kMostColumns], sums[kMostRows][kWidth];
@@ -236,8 +236,7 @@ void estimate(const Tile& tile, Size size, int x, int y, float bandwidth, Colour
       f[r] = static_cast<double>(tile.features[r - 1][(y + kReach) * kColumns + x + kReach + i]);
     std::array<float, 3> constants;
     solve(sums, i, f, constants);
-    const size_t pixel = static_cast<size_t>(tile.y + y) * static_cast<size_t>(size.width) +
-                         static_cast<size_t>(tile.x + x + i);
+    const size_t pixel = size.index(tile.x + x + i, tile.y + y);
     for (size_t c = 0; c < 3; ++c) to[c][pixel] = constants[c];
   }
 }
@@ -245,12 +244,12 @@ void estimate(const Tile& tile, Size size, int x, int y, float bandwidth, Colour
 // Copies what the tile's windows reach in a frame, and measures its distances.
 void add(const Source& from, Size size, Patches patches, Tile& tile) {
   const int frame = tile.frames++;
-  Look& look = tile.looks[frame];
+  GuideTile& planes = tile.guides[frame];
   for (size_t c = 0; c < 3; ++c) {
     copy(from.data[c], size, tile, kReach, tile.colour[c] + frame * kArea);
-    copy(from.guide[c], size, tile, kMargin, look.guide[c][0]);
-    copy(from.variance[c], size, tile, kMargin, look.variance[c][0]);
-    copy(from.tolerance[c], size, tile, kMargin, look.tolerance[c][0]);
+    copy(from.guide[c], size, tile, kMargin, planes.guide[c][0]);
+    copy(from.variance[c], size, tile, kMargin, planes.variance[c][0]);
+    copy(from.tolerance[c], size, tile, kMargin, planes.tolerance[c][0]);
   }
   for (size_t f = 0; f < kFeatures; ++f)
     copy(from.features[f], size, tile, kReach, tile.features[f] + frame * kArea);
@@ -259,7 +258,7 @@ void add(const Source& from, Size size, Patches patches, Tile& tile) {
   else
     copy(from.present, size, tile, kReach, tile.present);
   for (int o = 0; o < kOffsets; ++o)
-    measure(tile, look, patches, size, o % kSide - kReach, o / kSide - kReach,
+    measure(tile, planes, patches, size, o % kSide - kReach, o / kSide - kReach,
             tile.distance[frame * kOffsets + o]);
 }
 

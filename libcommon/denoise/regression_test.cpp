@@ -84,10 +84,10 @@ double slow_estimate(const Case& all, const Colour& data, const Colour& guide, i
 TEST(Regression, AgreesWithTheDefinition) {
   const Case all;
   const Input noisy = all.picture.halves(0.7);
-  const Colour estimate = all.estimate(noisy.shot.a, noisy.shot.b);
+  const Colour estimate = all.estimate(noisy.halves.a, noisy.halves.b);
   for (const int y : {0, 1, 15, 16, 35, 36, 63})
     for (const int x : {0, 3, 31, 32, 50, 94, 95}) {
-      const double slow = slow_estimate(all, noisy.shot.a, noisy.shot.b, x, y);
+      const double slow = slow_estimate(all, noisy.halves.a, noisy.halves.b, x, y);
       EXPECT_NEAR(estimate[0][static_cast<size_t>(y * 96 + x)], slow, 2e-3 * (slow + 0.1))
           << x << ' ' << y;
     }

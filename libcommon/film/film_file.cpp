@@ -2,10 +2,8 @@
 
 #include <algorithm>
 #include <bit>
-#include <charconv>
 #include <cmath>
 #include <limits>
-#include <set>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -23,7 +21,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr uint64_t kMostSamples = uint64_t{1} << 33;
-constexpr size_t kMostChannels = 64, kMostRanges = 1 << 20, kMostCounts = 1 << 16;
+constexpr size_t kMostChannels = 64;
 constexpr std::array kColours{"R", "G", "B"};
 
 // ---- The film's numbers as channels ----
@@ -77,10 +75,6 @@ std::string hash_of(const std::string& facts, const std::map<std::string, std::s
 
 // ---- Facts as JSON ----
 
-std::string hexadecimal(Units units) {
-  return fmt::format("{:x}", units);
-}
-
 Json json_of(const Film& film, const FilmFacts& facts, const StateWords& words,
              const Channels& channels) {
   std::vector<std::string> names;
@@ -106,155 +100,89 @@ Json json_of(const Film& film, const FilmFacts& facts, const StateWords& words,
   Json& counts = j["counts"] = Json::object();
   for (const auto& [name, values] : facts.counts) {
     Json& list = counts[name] = Json::array();
-    for (const Units v : values) list.push_back(hexadecimal(v));
+    for (const Units v : values) list.push_back(fmt::format("{:x}", v));
   }
   return j;
 }
 
-// Reads the facts; every value is checked.
-class FactsReader {
- public:
-  FactsReader(const Json& from, const std::string& file) : from_(from), file_(file) {}
+// The following read the facts. They throw std::invalid_argument, or an exception of the JSON
+// library, for what cannot be.
 
-  [[noreturn]] void fail(const std::string& key, const std::string& what) const {
-    throw InputError(file_, "film." + shown(key), what);
-  }
-  const Json& at(const char* key, Json::value_t type) const {
-    const auto found = from_.find(key);
-    if (found == from_.end()) fail(key, "is missing");
-    const bool is_whole = type == Json::value_t::number_integer && found->is_number_integer();
-    if (!is_whole && found->type() != type) fail(key, "is of another type");
-    return *found;
-  }
-  int64_t whole(const char* key, int64_t lowest, int64_t highest) const {
-    return whole(key, at(key, Json::value_t::number_integer), lowest, highest);
-  }
-  int64_t whole(const char* key, const Json& value, int64_t lowest, int64_t highest) const {
-    if (!value.is_number_integer() ||
-        (value.is_number_unsigned() && value.get<uint64_t>() > static_cast<uint64_t>(INT64_MAX)) ||
-        value.get<int64_t>() < lowest || value.get<int64_t>() > highest)
-      fail(key, "is out of range");
-    return value.get<int64_t>();
-  }
-  std::vector<std::string> texts(const char* key, size_t most) const {
-    std::vector<std::string> all;
-    const Json& list = at(key, Json::value_t::array);
-    if (list.size() > most) fail(key, "are too many");
-    for (const Json& value : list) all.push_back(text(key, value));
-    return all;
-  }
-  bool flag(const char* key) const { return at(key, Json::value_t::boolean).get<bool>(); }
-  std::string text(const char* key) const { return text(key, at(key, Json::value_t::string)); }
-  std::string text(const std::string& key, const Json& value) const {
-    if (!value.is_string()) fail(key, "is no text");
-    return value.get<std::string>();
-  }
-  Units units(const std::string& key, const Json& value) const {
-    const std::string digits = text(key, value);
-    Units all = 0;
-    for (const char c : digits) {
-      const int digit = c >= '0' && c <= '9' ? c - '0' : c >= 'a' && c <= 'f' ? c - 'a' + 10 : -1;
-      if (digit < 0 || digits.size() > 32) fail(key, "is no number of 128 bits");
-      all = all << 4 | static_cast<Units>(digit);
-    }
-    return all;
-  }
+int64_t whole(const Json& value, int64_t lowest, int64_t highest) {
+  if (!value.is_number_integer() ||
+      (value.is_number_unsigned() && value.get<uint64_t>() > static_cast<uint64_t>(INT64_MAX)) ||
+      value.get<int64_t>() < lowest || value.get<int64_t>() > highest)
+    throw std::invalid_argument("out of range");
+  return value.get<int64_t>();
+}
 
- private:
-  const Json& from_;
-  const std::string& file_;
-};
+Units units_of(const std::string& digits) {
+  Units all = 0;
+  for (const char c : digits) {
+    const int digit = c >= '0' && c <= '9' ? c - '0' : c >= 'a' && c <= 'f' ? c - 'a' + 10 : -1;
+    if (digit < 0 || digits.size() > 32) throw std::invalid_argument("no number of 128 bits");
+    all = all << 4 | static_cast<Units>(digit);
+  }
+  return all;
+}
 
-std::vector<SampleRange> ranges_of(const FactsReader& in) {
+std::vector<SampleRange> ranges_of(const Json& list) {
   std::vector<SampleRange> ranges;
-  const Json& list = in.at("ranges", Json::value_t::array);
-  if (list.size() > kMostRanges) in.fail("ranges", "are too many");
   for (const Json& pair : list) {
-    if (!pair.is_array() || pair.size() != 2) in.fail("ranges", "has an entry that is no pair");
-    const int64_t first = in.whole("ranges", pair[0], 0, kMostSamples);
-    const int64_t end = in.whole("ranges", pair[1], first, kMostSamples);
+    const int64_t first = whole(pair.at(0), 0, kMostSamples);
+    const int64_t end = whole(pair.at(1), first, kMostSamples);
     ranges.push_back({static_cast<uint64_t>(first), static_cast<uint64_t>(end - first)});
   }
   return ranges;
 }
 
-FilmFacts facts_of(const FactsReader& in) {
+FilmFacts facts_of(const Json& j) {
   FilmFacts facts;
-  facts.spp = static_cast<uint64_t>(in.whole("spp", 0, kMostSamples));
-  facts.processor = in.text("processor");
-  facts.plan = in.text("plan");
-  facts.state = in.text("state");
-  facts.derived = in.texts("derived", kMostChannels);
-  for (const auto& [name, value] : in.at("shape", Json::value_t::object).items())
-    facts.shape.emplace_back(name, in.text(name, value));
-  for (const auto& [name, values] : in.at("counts", Json::value_t::object).items()) {
-    if (!values.is_array() || values.size() > kMostCounts) in.fail(name, "is no list of numbers");
-    for (const Json& value : values) facts.counts[name].push_back(in.units(name, value));
-  }
+  facts.spp = static_cast<uint64_t>(whole(j.at("spp"), 0, kMostSamples));
+  j.at("processor").get_to(facts.processor);
+  j.at("plan").get_to(facts.plan);
+  j.at("state").get_to(facts.state);
+  j.at("derived").get_to(facts.derived);
+  for (const auto& [name, value] : j.at("shape").items())
+    facts.shape.emplace_back(name, value.get<std::string>());
+  for (const auto& [name, values] : j.at("counts").items())
+    for (const Json& value : values)
+      facts.counts[name].push_back(units_of(value.get<std::string>()));
   return facts;
 }
 
-Film::Options options_of(const FactsReader& in) {
-  Film::Options options;
-  options.alpha = in.flag("alpha");
-  options.halves = in.flag("halves");
-  options.layers = in.texts("layers", Film::kMostLayers);
-  return options;
-}
-
-// Before allocating sums: whether the file has all of them, and their memory.
-void check_sums(const Film::Options& options, size_t state_channels, const ExrFile& exr,
-                std::string_view bytes, const std::string& name) {
-  Film pixel(1, 1, 1, options);
-  StateWords state(state_channels);
-  std::vector<WordChannel> words;
-  for (const Film::Numbers& n : pixel.numbers()) append_words(n, words);
-  append_words(state, 1, words);
-  const std::vector<std::string> all = exr_channels(bytes, name);
-  const std::set<std::string> there(all.begin(), all.end());
-  for (const WordChannel& word : words)
-    if (!there.contains(word.name))
-      throw InputError(name, "channel " + shown(word.name, 80), "is missing");
-  const size_t of_pictures = sizeof(Rgb) * (1 + exr.layers.size());
-  const size_t of_pixel =
-      options.bytes_of_pixel() + sizeof(uint32_t) * state_channels + of_pictures;
-  expect_memory(
-      name, "film",
-      fmt::format("{} x {} pixels of {} bytes", exr.picture.width, exr.picture.height, of_pixel),
-      of_pixel * exr.picture.pixels.size());
-}
-
-// The film of a file whose attribute is `json`. `exr`: its float channels, `bytes`: the file.
-FilmFile film_of(const Json& json, ExrFile& exr, std::string_view bytes, const std::string& name) {
-  const FactsReader in(json, name);
-  check_version(name, "film.format", in.at("format", Json::value_t::number_integer).dump(),
-                format_version::film);
+// The film of a file whose attribute is `j`. `exr`: its float channels, `bytes`: the file.
+FilmFile film_of(const Json& j, const ExrFile& exr, std::string_view bytes,
+                 const std::string& name) {
+  check_version(name, "film.format", j.at("format").dump(), format_version::film);
   const int width = exr.picture.width, height = exr.picture.height;
-  in.whole("width", width, width);
-  in.whole("height", height, height);
-  const auto unit = static_cast<int>(in.whole("unit", -1000, 900));
-  const Film::Options options = options_of(in);
+  whole(j.at("width"), width, width);
+  whole(j.at("height"), height, height);
+  const auto unit = static_cast<int>(whole(j.at("unit"), -1000, 900));
+  const Film::Options options{j.at("layers").get<std::vector<std::string>>(),
+                              j.at("alpha").get<bool>(), j.at("halves").get<bool>()};
   const size_t pixels = exr.picture.pixels.size();
   const auto state_words =
-      static_cast<size_t>(in.whole("words", 0, static_cast<int64_t>(kMostChannels * pixels)));
-  check_sums(options, (state_words + pixels - 1) / pixels, exr, bytes, name);
-  FilmFile file{Film(width, height, std::ldexp(1.0, unit + 64), options), facts_of(in)};
+      static_cast<size_t>(whole(j.at("words"), 0, static_cast<int64_t>(kMostChannels * pixels)));
+  const auto channels = j.at("channels").get<std::vector<std::string>>();
+  const size_t of_pixel = options.bytes_of_pixel() +
+                          sizeof(uint32_t) * ((state_words + pixels - 1) / pixels) +
+                          sizeof(float) * channels.size() + sizeof(Rgb) * (1 + exr.layers.size());
+  expect_memory(name, "film", fmt::format("{} x {} pixels of {} bytes", width, height, of_pixel),
+                of_pixel * pixels);
+  FilmFile file{Film(width, height, std::ldexp(1.0, unit + 64), options), facts_of(j)};
   file.words.resize(state_words);
   std::vector<WordChannel> words;
   for (const Film::Numbers& n : file.film.numbers()) append_words(n, words);
   append_words(file.words, pixels, words);
-  for (const std::string& channel : in.texts("channels", kMostChannels)) {
+  for (const std::string& channel : channels) {
     std::vector<float>& values = file.channels[channel];
-    values.resize(exr.picture.pixels.size());
+    values.resize(pixels);
     append_words(channel, values, words);
   }
   parse_exr_words(bytes, name, width, height, words);
   file.words.resize(state_words);
-  try {
-    file.film.restore(ranges_of(in));
-  } catch (const std::invalid_argument&) {
-    in.fail("ranges", "overlap");
-  }
+  file.film.restore(ranges_of(j.at("ranges")));
   return file;
 }
 
@@ -374,26 +302,23 @@ FilmFile parse_film(std::string_view bytes, const std::string& name) {
   const auto found = exr.attributes.find(film_attribute);
   if (found == exr.attributes.end())
     throw InputError(name, "", "is a picture without the sums of a film");
-  const auto parsed = [&](const std::string& text) {
-    Json json = nested_too_deep(text) ? Json() : Json::parse(text, nullptr, false);
-    if (!json.is_object()) throw InputError(name, "film", "is damaged");
-    return json;
+  const auto parsed = [](const std::string& text) {
+    return nested_too_deep(text) ? Json() : Json::parse(text);
   };
-  const Json outer = parsed(found->second);
-  const auto string_of = [&](const char* key) {
-    const auto value = outer.find(key);
-    return value != outer.end() && value->is_string() ? value->get<std::string>() : "";
-  };
-  const std::string text = string_of("facts"), hash = string_of("hash");
-  const Json facts = parsed(text);
-  FilmFile file = film_of(facts, exr, bytes, name);
-  file.facts.attributes = std::move(exr.attributes);
-  file.facts.attributes.erase(film_attribute);
-  file.facts.attributes.erase("spp");
-  file.facts.attributes.erase(kPartAttribute);
-  if (hash != hash_of(text, file.facts.attributes, file.film, file.words, file.channels))
-    throw InputError(name, "film", "is damaged");
-  return file;
+  try {
+    const Json outer = parsed(found->second);
+    const auto text = outer.at("facts").get<std::string>(),
+               hash = outer.at("hash").get<std::string>();
+    FilmFile file = film_of(parsed(text), exr, bytes, name);
+    file.facts.attributes = std::move(exr.attributes);
+    for (const char* own : {film_attribute, "spp", kPartAttribute})
+      file.facts.attributes.erase(own);
+    if (hash == hash_of(text, file.facts.attributes, file.film, file.words, file.channels))
+      return file;
+  } catch (const Json::exception&) {
+  } catch (const std::invalid_argument&) {
+  }
+  throw InputError(name, "film", "is damaged");
 }
 
 FilmFile read_film(const std::string& path) {

@@ -167,22 +167,22 @@ TEST(film_file, that_says_what_cannot_be_is_refused_with_its_place) {
     bytes.replace(at, from.size(), to);
     return complaint([&] { parse_film(bytes, "a.exr"); });
   };
-  EXPECT_EQ(message("[[0,4]]", "[[4,0]]"), "a.exr:film.ranges: is out of range");
-  EXPECT_EQ(message("[[0,4]]", "[[  4]]"), "a.exr:film.ranges: has an entry that is no pair");
-  EXPECT_EQ(message("\\\"unit\\\":-62", "\\\"unit\\\":-2e"), "a.exr:film: is damaged");
-  EXPECT_EQ(message("\\\"width\\\":3", "\\\"width\\\":4"), "a.exr:film.width: is out of range");
-  EXPECT_EQ(message("\\\"spp\\\":8", "\\\"spq\\\":8"), "a.exr:film.spp: is missing");
+  constexpr const char* kDamaged = "a.exr:film: is damaged";
+  EXPECT_EQ(message("[[0,4]]", "[[4,0]]"), kDamaged);
+  EXPECT_EQ(message("[[0,4]]", "[[  4]]"), kDamaged);
+  EXPECT_EQ(message("\\\"unit\\\":-62", "\\\"unit\\\":-2e"), kDamaged);
+  EXPECT_EQ(message("\\\"width\\\":3", "\\\"width\\\":4"), kDamaged);
+  EXPECT_EQ(message("\\\"spp\\\":8", "\\\"spq\\\":8"), kDamaged);
   EXPECT_EQ(
       message("\\\"format\\\":4", "\\\"format\\\":1"),
       "a.exr:film.format: this file has version 1 of the format; this program reads version 4");
-  EXPECT_EQ(message("\\\"alpha\\\":true", "\\\"alpha\\\":1234"),
-            "a.exr:film.alpha: is of another type");
+  EXPECT_EQ(message("\\\"alpha\\\":true", "\\\"alpha\\\":1234"), kDamaged);
   EXPECT_EQ(message("\\\"words\\\":0", "\\\"words\\\":1"), "a.exr:channel state.0: is missing");
   EXPECT_EQ(message("camera.sum.R.0", "camera.sum.Q.0"),
             "a.exr:channel camera.sum.R.0: is missing");
   EXPECT_EQ(message("met.1", "mot.1"), "a.exr:channel met.1: is missing");
-  EXPECT_EQ(message("\\\"spp\\\":8", "\\\"spp\\\":9"), "a.exr:film: is damaged");
-  EXPECT_EQ(message("77ab", "77ac"), "a.exr:film: is damaged");
+  EXPECT_EQ(message("\\\"spp\\\":8", "\\\"spp\\\":9"), kDamaged);
+  EXPECT_EQ(message("77ab", "77ac"), kDamaged);
   EXPECT_EQ(complaint([] {
               parse_film(exr_bytes(finished_picture(film_with({0, 1}), facts())), "a.exr");
             }),

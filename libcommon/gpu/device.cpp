@@ -16,31 +16,19 @@ constexpr const char* kNoDriver =
   throw Error(Exit::no_device, reason);
 }
 
-// The process fails if messages were left when it ends.
-struct Messages {
-  std::vector<std::string> texts;
-  ~Messages() {
-    if (texts.empty()) return;
-    fmt::print(stderr, "{} Vulkan validation messages\n", texts.size());
-    std::fflush(nullptr);
-    std::_Exit(static_cast<int>(Exit::internal));
-  }
-} messages;
-
 bool validating() {
   const char* v = std::getenv("TDPT_VULKAN_VALIDATION");
   return v && std::string_view(v) == "1";
 }
 
-VKAPI_ATTR VkBool32 VKAPI_CALL keep_message(VkDebugUtilsMessageSeverityFlagBitsEXT,
-                                            VkDebugUtilsMessageTypeFlagsEXT,
-                                            const VkDebugUtilsMessengerCallbackDataEXT* data,
-                                            void*) {
-  const std::string text =
-      fmt::format("{}: {}", data->pMessageIdName ? data->pMessageIdName : "", data->pMessage);
-  fmt::print(stderr, "Vulkan validation: {}\n", text);
-  messages.texts.push_back(text);
-  return VK_FALSE;
+VKAPI_ATTR VkBool32 VKAPI_CALL fail_by_message(VkDebugUtilsMessageSeverityFlagBitsEXT,
+                                               VkDebugUtilsMessageTypeFlagsEXT,
+                                               const VkDebugUtilsMessengerCallbackDataEXT* data,
+                                               void*) {
+  fmt::print(stderr, "Vulkan validation: {}: {}\n",
+             data->pMessageIdName ? data->pMessageIdName : "", data->pMessage);
+  std::fflush(nullptr);
+  std::_Exit(static_cast<int>(Exit::internal));
 }
 
 // The C interface, since vulkan.hpp has changed the callback's type.
@@ -50,7 +38,7 @@ vk::raii::DebugUtilsMessengerEXT make_messenger(const vk::raii::Instance& instan
   info.messageSeverity = VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT |
                          VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT;
   info.messageType = VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT;
-  info.pfnUserCallback = keep_message;
+  info.pfnUserCallback = fail_by_message;
   return {instance, vk::DebugUtilsMessengerCreateInfoEXT(info)};
 }
 
@@ -136,26 +124,7 @@ std::vector<DeviceInfo> describe_all(const vk::raii::PhysicalDevices& devices) {
   return infos;
 }
 
-vk::raii::Device open_device(const vk::raii::PhysicalDevice& physical, const DeviceInfo& info,
-                             uint32_t family, bool told) {
-  const float priority = 1;
-  const vk::DeviceQueueCreateInfo queues({}, family, 1, &priority);
-  if (!told) return {physical, vk::DeviceCreateInfo({}, queues)};
-  const char* const tells = VK_KHR_PIPELINE_EXECUTABLE_PROPERTIES_EXTENSION_NAME;
-  const auto all = physical.enumerateDeviceExtensionProperties();
-  if (std::none_of(all.begin(), all.end(), [&](const vk::ExtensionProperties& e) {
-        return std::strcmp(e.extensionName, tells) == 0;
-      }))
-    no_device("the driver of " + info.name + " tells nothing of kernels: it lacks " + tells);
-  const vk::PhysicalDevicePipelineExecutablePropertiesFeaturesKHR feature(VK_TRUE);
-  return {physical, vk::DeviceCreateInfo({}, queues, {}, tells, nullptr, &feature)};
-}
-
 }  // namespace
-
-std::vector<std::string> take_validation_messages() {
-  return std::exchange(messages.texts, {});
-}
 
 std::vector<DeviceInfo> list_devices() {
   return calling_vulkan("cannot list the Vulkan devices", [] {
@@ -181,7 +150,7 @@ size_t pick_device(const std::vector<DeviceInfo>& devices, const std::string& wh
   no_device("no Vulkan device " + asked + "can be used; there are: " + all);
 }
 
-Device Device::open(const std::string& which, bool told) {
+Device Device::open(const std::string& which) {
   return calling_vulkan("cannot open a Vulkan device", [&] {
     auto impl = std::make_shared<Impl>();
     impl->instance = make_instance();
@@ -193,8 +162,9 @@ Device Device::open(const std::string& which, bool told) {
     impl->physical = all[i];
     impl->limits = all[i].getProperties().limits;
     const uint32_t family = compute_family(all[i]);
-    impl->device = open_device(impl->physical, impl->info, family, told);
-    impl->told = told;
+    const float priority = 1;
+    const vk::DeviceQueueCreateInfo queues({}, family, 1, &priority);
+    impl->device = {impl->physical, vk::DeviceCreateInfo({}, queues)};
     impl->queue = {impl->device, family, 0};
     impl->pool = {impl->device, vk::CommandPoolCreateInfo({}, family)};
     return Device(impl);

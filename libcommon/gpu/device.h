@@ -5,8 +5,8 @@
 // there is no fallback to another device. Everything here must be used by one thread at a time.
 //
 // TDPT_VULKAN_VALIDATION=1 in the environment turns on the Khronos validation layer with
-// synchronisation checks. Its messages go to stderr as they come; if they are not fetched with
-// take_validation_messages(), the process ends with exit code 1.
+// synchronisation checks. Its first message goes to stderr and ends the process with exit code 1;
+// leaks are found when a device's last owner is destroyed.
 #pragma once
 #include <cstdint>
 #include <functional>
@@ -45,9 +45,8 @@ class Commands;
 
 class Device {
  public:
-  /// `which` as in pick_device. `told`: enables statistics_of() (kernel.h); throws if the driver
-  /// lacks it.
-  static Device open(const std::string& which = "", bool told = false);
+  /// `which` as in pick_device.
+  static Device open(const std::string& which = "");
 
   const DeviceInfo& info() const;
   const Limits& limits() const { return info().limits; }
@@ -64,9 +63,5 @@ class Device {
   explicit Device(std::shared_ptr<Impl> impl) : impl_(std::move(impl)) {}
   std::shared_ptr<Impl> impl_;  // shared by everything made from the device
 };
-
-/// Validation messages of this process since the last call. Leaks are reported when a device's last
-/// owner is destroyed.
-std::vector<std::string> take_validation_messages();
 
 }  // namespace tdpt::gpu

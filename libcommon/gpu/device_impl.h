@@ -30,7 +30,6 @@ struct Device::Impl {
   DeviceInfo info;
   vk::PhysicalDeviceLimits limits;
   uint64_t piece = 16u << 20;  ///< largest copy to or from the host at a time, bytes
-  bool told = false;           ///< kernel statistics are enabled
   vk::raii::Instance instance = nullptr;
   vk::raii::DebugUtilsMessengerEXT messenger = nullptr;
   vk::raii::PhysicalDevice physical = nullptr;
@@ -65,7 +64,6 @@ struct Memory::Impl {
 struct Kernel::Impl {
   Device device;
   std::vector<Memory> memory;
-  uint32_t push_bytes;
   vk::raii::DescriptorSetLayout set_layout = nullptr;
   vk::raii::PipelineLayout layout = nullptr;
   vk::raii::Pipeline pipeline = nullptr;

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <map>
 
 #include "libcommon/gpu/device_impl.h"
 
@@ -17,9 +16,7 @@ vk::raii::Pipeline make_pipeline(const Device::Impl& d, std::span<const uint32_t
   const vk::SpecializationInfo special(static_cast<uint32_t>(entries.size()), entries.data(),
                                        4 * constants.size(), constants.data());
   const vk::PipelineShaderStageCreateInfo stage({}, kCompute, *module, "main", &special);
-  using Flag = vk::PipelineCreateFlagBits;
-  const vk::PipelineCreateFlags flags = d.told ? Flag::eCaptureStatisticsKHR : Flag{};
-  return {d.device, nullptr, vk::ComputePipelineCreateInfo(flags, stage, *layout)};
+  return {d.device, nullptr, vk::ComputePipelineCreateInfo({}, stage, *layout)};
 }
 
 // Calls see(words) for each SPIR-V instruction; its first word holds the opcode.
@@ -45,43 +42,6 @@ std::set<uint32_t> bindings_of(std::span<const uint32_t> program) {
   return decorated(program, kBinding);
 }
 
-// The bindings of a program, typed by the storage classes of its variables.
-std::vector<vk::DescriptorSetLayoutBinding> layout_of(std::span<const uint32_t> program) {
-  constexpr uint32_t kHeader = 5, kOpVariable = 59, kOpDecorate = 71, kBinding = 33;
-  constexpr uint32_t kUniform = 2, kStorageBuffer = 12;
-  std::map<uint32_t, uint32_t> class_of;
-  std::vector<std::pair<uint32_t, uint32_t>> bound;  // variable, binding
-  for (size_t i = kHeader; i < program.size() && program[i] >> 16 != 0; i += program[i] >> 16) {
-    const uint32_t op = program[i] & 0xFFFF;
-    if (op == kOpVariable) class_of[program[i + 2]] = program[i + 3];
-    if (op == kOpDecorate && program[i + 2] == kBinding)
-      bound.emplace_back(program[i + 1], program[i + 3]);
-  }
-  using Type = vk::DescriptorType;
-  std::vector<vk::DescriptorSetLayoutBinding> slots;
-  for (const auto& [variable, binding] : bound) {
-    const uint32_t storage = class_of[variable];
-    const Type type = storage == kStorageBuffer ? Type::eStorageBuffer
-                      : storage == kUniform     ? Type::eUniformBuffer
-                                                : Type::eUniformTexelBuffer;
-    slots.emplace_back(binding, type, 1, kCompute);
-  }
-  return slots;
-}
-
-double value_of(const vk::PipelineExecutableStatisticKHR& s) {
-  switch (s.format) {
-    case vk::PipelineExecutableStatisticFormatKHR::eBool32:
-      return s.value.b32 ? 1 : 0;
-    case vk::PipelineExecutableStatisticFormatKHR::eInt64:
-      return static_cast<double>(s.value.i64);
-    case vk::PipelineExecutableStatisticFormatKHR::eFloat64:
-      return s.value.f64;
-    default:
-      return static_cast<double>(s.value.u64);
-  }
-}
-
 }  // namespace
 
 size_t storage_buffers_in(std::span<const uint32_t> program) {
@@ -101,30 +61,20 @@ std::set<uint32_t> constants_of(std::span<const uint32_t> program) {
 Kernel::Kernel(const Device& device, std::span<const uint32_t> program,
                const std::vector<Memory>& memory, uint32_t push_bytes,
                const std::vector<uint32_t>& constants)
-    : impl_(std::make_shared<Impl>(Impl{device, memory, push_bytes})) {
+    : impl_(std::make_shared<Impl>(Impl{device, memory})) {
   const Device::Impl& d = *device.impl();
   std::vector<vk::DescriptorSetLayoutBinding> slots;
   std::vector<vk::DescriptorPoolSize> sizes;
-  std::map<vk::DescriptorType, uint64_t> named_of;
   const std::set<uint32_t> named = bindings_of(program);
   for (uint32_t i = 0; i < memory.size(); ++i) {
     if (!named.contains(i)) continue;
     const vk::DescriptorType type = memory[i].impl().type;
     slots.emplace_back(i, type, 1, kCompute);
     sizes.emplace_back(type, 1);
-    ++named_of[type];
   }
-  using Type = vk::DescriptorType;
-  const vk::PhysicalDeviceLimits& limits = d.limits;
-  d.require_within(limits.maxPerStageDescriptorStorageBuffers, "buffers in a kernel",
-                   named_of[Type::eStorageBuffer]);
-  d.require_within(limits.maxPerStageDescriptorStorageImages, "images in a kernel",
-                   named_of[Type::eStorageImage]);
-  d.require_within(limits.maxPerStageDescriptorSampledImages, "buffers as texels in a kernel",
-                   named_of[Type::eUniformTexelBuffer]);
-  d.require_within(limits.maxPerStageDescriptorUniformBuffers, "uniform buffers in a kernel",
-                   named_of[Type::eUniformBuffer]);
-  d.require_within(d.limits.maxPushConstantsSize, "bytes of push constants", push_bytes);
+  // Every device allows what kernels have of all else.
+  d.require_within(d.limits.maxPerStageDescriptorStorageBuffers, "buffers in a kernel",
+                   storage_buffers_in(program));
   calling_vulkan("no kernel on " + d.info.name, [&] {
     Impl& k = *impl_;
     k.set_layout = {d.device, vk::DescriptorSetLayoutCreateInfo({}, slots)};
@@ -145,27 +95,8 @@ Kernel::Kernel(const Device& device, std::span<const uint32_t> program,
   });
 }
 
-std::vector<Statistic> statistics_of(const Device& device, std::span<const uint32_t> program,
-                                     uint32_t push_bytes, const std::vector<uint32_t>& constants) {
-  const Device::Impl& d = *device.impl();
-  return calling_vulkan("nothing is told of a kernel on " + d.info.name, [&] {
-    const std::vector<vk::DescriptorSetLayoutBinding> slots = layout_of(program);
-    const vk::raii::DescriptorSetLayout set(d.device, vk::DescriptorSetLayoutCreateInfo({}, slots));
-    const vk::PushConstantRange push(kCompute, 0, push_bytes);
-    const vk::raii::PipelineLayout layout(d.device, {{}, 1, &*set, push_bytes > 0, &push});
-    const vk::raii::Pipeline pipeline = make_pipeline(d, program, layout, constants);
-    std::vector<Statistic> all;
-    for (const vk::PipelineExecutableStatisticKHR& s :
-         d.device.getPipelineExecutableStatisticsKHR({*pipeline, 0}))
-      all.push_back({s.name.data(), value_of(s)});
-    return all;
-  });
-}
-
 void Commands::Impl::bind(const Kernel::Impl& kernel, std::span<const std::byte> push) const {
   const auto size = static_cast<uint32_t>(push.size());
-  if (size != kernel.push_bytes)
-    throw Error(Exit::internal, "a kernel is given other push constants than it declares");
   vulkan.bindPipeline(vk::PipelineBindPoint::eCompute, *kernel.pipeline);
   vulkan.bindDescriptorSets(vk::PipelineBindPoint::eCompute, *kernel.layout, 0, *kernel.set, {});
   if (size > 0) vulkan.pushConstants<std::byte>(*kernel.layout, kCompute, 0, {size, push.data()});
@@ -188,9 +119,6 @@ void Commands::dispatch(const Kernel& kernel, std::span<const std::byte> push, u
 
 void Commands::dispatch_indirect(const Kernel& kernel, std::span<const std::byte> push,
                                  const Buffer& groups, uint64_t offset) {
-  const uint64_t bytes = groups.impl().bytes;
-  if (offset % 4 != 0 || bytes < 12 || offset > bytes - 12)
-    throw Error(Exit::internal, fmt::format("work groups at byte {} of {}", offset, bytes));
   impl_.bind(kernel.impl(), push);
   impl_.vulkan.dispatchIndirect(*groups.impl().buffer, offset);
   impl_.barrier();

@@ -15,12 +15,11 @@ namespace tdpt::gpu {
 class Memory {
  public:
   struct Impl;
+  explicit Memory(std::shared_ptr<Impl> impl) : impl_(std::move(impl)) {}
   const Impl& impl() const { return *impl_; }
 
  protected:
-  friend class Part;
-  friend class Texels;
-  friend class Uniforms;
+  Memory() = default;
   std::shared_ptr<Impl> impl_;
 };
 
@@ -29,8 +28,8 @@ class Buffer : public Memory {
  public:
   /// Throws if `bytes` exceeds the limits.
   Buffer(const Device& device, uint64_t bytes);
-  /// A buffer that kernels access as Texels and in Parts: the limit of texels applies, not that of
-  /// storage buffers.
+  /// A buffer that kernels access as texels() and by part(): the limit of texels applies, not that
+  /// of storage buffers.
   static Buffer of_parts(const Device& device, uint64_t bytes);
   /// Initialised with `values`.
   template <class T>
@@ -44,6 +43,12 @@ class Buffer : public Memory {
   void write(std::span<const std::byte> from, uint64_t at = 0);
   void read(std::span<std::byte> to, uint64_t at = 0) const;
 
+  uint64_t bytes() const;
+  /// Reads all values.
+  template <class T>
+  std::vector<T> download() const {
+    return download<T>(bytes() / sizeof(T));
+  }
   /// Reads `count` values from byte `at` on.
   template <class T>
   std::vector<T> download(size_t count, uint64_t at = 0) const {
@@ -53,33 +58,19 @@ class Buffer : public Memory {
     return values;
   }
 
- private:
-  Buffer() = default;
-  void allocate(const Device& device, uint64_t bytes);
-};
-
-/// A part of a buffer as a storage buffer of its own, at least one byte. `offset`: a multiple of
-/// kPartAlignment.
-class Part : public Memory {
- public:
   static constexpr uint64_t kPartAlignment = 256;  // no device requires more
-  /// Throws if it exceeds the device's limit for storage buffers.
-  Part(const Buffer& buffer, uint64_t offset, uint64_t bytes);
-};
+  /// A part of it as a storage buffer of its own, of at least one byte. `offset`: a multiple of
+  /// kPartAlignment. Throws if it exceeds the device's limit for storage buffers.
+  Memory part(uint64_t offset, uint64_t bytes) const;
+  /// A read-only view: `uniform usamplerBuffer`, texels of four words. Some devices read it faster
+  /// than a storage buffer. Throws if there are more texels than the device allows.
+  Memory texels() const;
+  /// A view that all invocations read uniformly, `layout(std140) uniform`; at most 16384 bytes.
+  Memory uniforms() const;
 
-/// A read-only view of a buffer: `uniform usamplerBuffer`, texels of four words. Some devices read
-/// it faster than a storage buffer.
-class Texels : public Memory {
- public:
-  /// Throws if there are more texels than the device allows.
-  explicit Texels(const Buffer& buffer);
-};
-
-/// A small buffer that all invocations read uniformly: `layout(std140) uniform`.
-class Uniforms : public Memory {
- public:
-  /// Throws if it exceeds the device's limit.
-  explicit Uniforms(const Buffer& buffer);
+ private:
+  /// Throws if `bytes` exceeds `most`, of `what`.
+  Buffer(const Device& device, uint64_t bytes, uint64_t most, const char* what);
 };
 
 enum class Texel { r32ui, r32i };
@@ -112,16 +103,14 @@ class Tables {
   /// Adds an uninitialised table of this size.
   void add_room(uint64_t bytes) { add({}, bytes); }
 
-  /// Total size.
-  uint64_t bytes() const { return end_; }
   /// First texel of each table.
   std::vector<uint32_t> first_texels() const;
 
   /// Allocates and fills the buffer. Throws if it exceeds the limits.
   void upload(const Device& device);
-  Texels texels() const { return Texels(*buffer_); }
+  Memory texels() const { return buffer_->texels(); }
   /// Table i, at least one texel.
-  Part part(size_t i) const { return {*buffer_, tables_[i].begin, tables_[i].bytes}; }
+  Memory part(size_t i) const { return buffer_->part(tables_[i].begin, tables_[i].bytes); }
   /// Writes to the beginning of table i.
   void write(size_t i, std::span<const std::byte> from) { buffer_->write(from, tables_[i].begin); }
 
@@ -162,17 +151,6 @@ size_t storage_buffers_in(std::span<const uint32_t> program);
 
 /// The constant_ids that a program reads: other constants do not change its kernel.
 std::set<uint32_t> constants_of(std::span<const uint32_t> program);
-
-/// A statistic from a driver's compiler, "VGPRs", "Scratch size", as the driver calls it.
-struct Statistic {
-  std::string name;
-  double value;
-};
-/// Needs a device opened with `told`; it may lack memory. `program`, `push_bytes` and `constants`
-/// as for Kernel; bindings may be storage buffers, texels and uniforms.
-std::vector<Statistic> statistics_of(const Device& device, std::span<const uint32_t> program,
-                                     uint32_t push_bytes,
-                                     const std::vector<uint32_t>& constants = {});
 
 /// Push constants: one struct, laid out as in the shader.
 template <class T>

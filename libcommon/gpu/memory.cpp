@@ -11,6 +11,7 @@ using Kind = vk::MemoryPropertyFlagBits;
 using Kinds = std::vector<vk::MemoryPropertyFlags>;  // in order of preference
 const vk::MemoryPropertyFlags kSeen = Kind::eHostVisible | Kind::eHostCoherent;
 const Kinds kHost{kSeen | Kind::eHostCached, kSeen}, kDevice{Kind::eDeviceLocal};
+constexpr uint64_t kTexel = 16;
 constexpr auto kCopied =
     vk::BufferUsageFlagBits::eTransferSrc | vk::BufferUsageFlagBits::eTransferDst;
 
@@ -80,28 +81,28 @@ std::shared_ptr<Memory::Impl> view_of(const std::shared_ptr<Memory::Impl>& whole
 
 }  // namespace
 
-Buffer::Buffer(const Device& device, uint64_t bytes) {
-  device.impl()->require_within(device.limits().buffer, "bytes in a buffer", bytes);
-  allocate(device, bytes);
-}
+Buffer::Buffer(const Device& device, uint64_t bytes)
+    : Buffer(device, bytes, device.limits().buffer, "bytes in a buffer") {}
 
 Buffer Buffer::of_parts(const Device& device, uint64_t bytes) {
-  device.impl()->require_within(device.limits().texels, "bytes in a buffer of texels", bytes);
-  Buffer buffer;
-  buffer.allocate(device, bytes);
-  return buffer;
+  return {device, bytes, device.limits().texels, "bytes in a buffer of texels"};
 }
 
-void Buffer::allocate(const Device& device, uint64_t bytes) {
+Buffer::Buffer(const Device& device, uint64_t bytes, uint64_t most, const char* what) {
   const Device::Impl& d = *device.impl();
+  d.require_within(most, what, bytes);
   calling_vulkan(fmt::format("no buffer of {} bytes on {}", bytes, d.info.name), [&] {
     using Usage = vk::BufferUsageFlagBits;
     const vk::BufferUsageFlags usage = kCopied | Usage::eStorageBuffer | Usage::eIndirectBuffer |
                                        Usage::eUniformTexelBuffer | Usage::eUniformBuffer;
     impl_ = std::make_shared<Impl>(device, vk::DescriptorType::eStorageBuffer, bytes);
     impl_->buffer = {d.device, {{}, std::max<uint64_t>(bytes, 16), usage}};
-    impl_->memory = gpu::allocate(d, impl_->buffer, kDevice);
+    impl_->memory = allocate(d, impl_->buffer, kDevice);
   });
+}
+
+uint64_t Buffer::bytes() const {
+  return impl_->bytes;
 }
 
 void Buffer::write(std::span<const std::byte> from, uint64_t at) {
@@ -120,43 +121,35 @@ void Buffer::read(std::span<std::byte> to, uint64_t at) const {
        });
 }
 
-Part::Part(const Buffer& buffer, uint64_t offset, uint64_t bytes) {
-  const Memory::Impl& m = buffer.impl();
-  require_inside(offset, bytes, m.bytes);
-  if (offset % kPartAlignment != 0 || bytes == 0)
-    throw Error(Exit::internal,
-                fmt::format("a part of a buffer has {} bytes from byte {}", bytes, offset));
-  const Device::Impl& d = *m.device.impl();
+Memory Buffer::part(uint64_t offset, uint64_t bytes) const {
+  require_inside(offset, bytes, impl_->bytes);
+  const Device::Impl& d = *impl_->device.impl();
   d.require_within(d.info.limits.buffer, "bytes in a buffer", bytes);
-  impl_ = view_of(buffer.impl_, vk::DescriptorType::eStorageBuffer);
-  impl_->offset = offset;
-  impl_->bytes = bytes;
+  const auto part = view_of(impl_, vk::DescriptorType::eStorageBuffer);
+  part->offset = offset;
+  part->bytes = bytes;
+  return Memory(part);
 }
 
-Texels::Texels(const Buffer& buffer) {
-  const Memory::Impl& m = buffer.impl();
-  const Device::Impl& d = *m.device.impl();
-  d.require_within(d.info.limits.texels, "bytes in a buffer of texels", m.bytes);
-  calling_vulkan("no texels of a buffer on " + d.info.name, [&] {
-    impl_ = view_of(buffer.impl_, vk::DescriptorType::eUniformTexelBuffer);
+Memory Buffer::texels() const {
+  const Device::Impl& d = *impl_->device.impl();
+  d.require_within(d.info.limits.texels, "bytes in a buffer of texels", impl_->bytes);
+  return calling_vulkan("no texels of a buffer on " + d.info.name, [&] {
+    const auto texels = view_of(impl_, vk::DescriptorType::eUniformTexelBuffer);
     const auto format = vk::Format::eR32G32B32A32Uint;
-    impl_->texels = {d.device, {{}, *m.buffer, format, 0, VK_WHOLE_SIZE}};
+    texels->texels = {d.device, {{}, *impl_->buffer, format, 0, VK_WHOLE_SIZE}};
+    return Memory(texels);
   });
 }
 
-Uniforms::Uniforms(const Buffer& buffer) {
-  const Memory::Impl& m = buffer.impl();
-  const Device::Impl& d = *m.device.impl();
-  d.require_within(d.limits.maxUniformBufferRange, "bytes of uniforms", m.bytes);
-  impl_ = view_of(buffer.impl_, vk::DescriptorType::eUniformBuffer);
+Memory Buffer::uniforms() const {
+  return Memory(view_of(impl_, vk::DescriptorType::eUniformBuffer));
 }
 
 Image3D::Image3D(const Device& device, const std::array<uint32_t, 3>& size, Texel texel) {
   const Device::Impl& d = *device.impl();
-  for (uint32_t side : size) {
+  for (const uint32_t side : size)
     d.require_within(d.info.limits.image_side, "texels along a side of a 3D image", side);
-    if (side == 0) throw Error(Exit::internal, "a 3D image has a side of 0 texels");
-  }
   const uint64_t bytes = uint64_t{4} * size[0] * size[1] * size[2];
   d.require_within(d.info.limits.image, "bytes in a 3D image", bytes);
   calling_vulkan(fmt::format("no 3D image of {} bytes on {}", bytes, d.info.name), [&] {
@@ -188,14 +181,8 @@ std::vector<uint32_t> Image3D::download() const {
   return texels;
 }
 
-namespace {
-
-constexpr uint64_t kTexel = 16;
-
-}  // namespace
-
 void Tables::add(std::span<const std::byte> values, uint64_t bytes) {
-  constexpr uint64_t kUnit = Part::kPartAlignment;
+  constexpr uint64_t kUnit = Buffer::kPartAlignment;
   tables_.push_back({values, end_, std::max(bytes, kTexel)});
   end_ += (tables_.back().bytes + kUnit - 1) / kUnit * kUnit;
 }

@@ -18,7 +18,4 @@ struct Bvh {
 /// triangles.
 Bvh build_bvh(const Scene& scene);
 
-/// Whether triangles of this material stop every ray, not only some: no alpha, no pane (scene.h).
-bool stops_every_ray(const Material& material);
-
 }  // namespace tdpt

@@ -6,8 +6,8 @@
 
 #include <cstring>
 
-#include "libcommon/testing/scenes/meshes.h"
 #include "libcommon/testing/scalar_tracer.h"
+#include "libcommon/testing/scenes/meshes.h"
 
 namespace tdpt::bvh_test {
 

@@ -4,8 +4,6 @@
 #include <bit>
 #include <limits>
 
-#include <fmt/format.h>
-
 #include "libcommon/base/error.h"
 #include "libcommon/base/process.h"
 #include "libcommon/math/rng.h"
@@ -26,6 +24,14 @@ double largest_coordinate(const Vec3d& p) {
 }
 }  // namespace
 
+// Data that Embree passes to the filter.
+struct Tracer::Query : embree::Query {
+  explicit Query(const uint32_t* coin_ = nullptr, RTCFilterFunctionN filter_ = nullptr)
+      : embree::Query(filter_), coin(coin_) {}
+  const uint32_t* coin;                           ///< of a float ray
+  const std::vector<uint32_t>* passed = nullptr;  ///< all that does not stop; nullptr: by chance
+};
+
 struct Tracer::Impl {
   RTCDevice device = nullptr;
   RTCScene scene = nullptr;
@@ -42,7 +48,11 @@ struct Tracer::Impl {
     return triangles[geometry].empty() ? primitive : triangles[geometry][primitive];
   }
   void add_geometry(const std::vector<uint32_t>& chosen, bool alpha);
-  double coverage(uint32_t triangle, float u, float v, const Vec3d& w) const;
+  double coverage(uint32_t triangle, float u, float v, const Vec3d& w) const {
+    const bool alpha = traced->material_of(triangle).alpha_mode != Material::Alpha::opaque;
+    return alpha ? double{coverage_at(*traced, {triangle, u, v})} : opacity(triangle, w);
+  }
+  bool stops(const Query& query, uint32_t triangle, float u, float v, const Vec3d& w) const;
   /// See Hit::opacity. `w` of any length.
   double opacity(uint32_t triangle, const Vec3d& w) const {
     if (panes.empty()) return 1;
@@ -86,40 +96,8 @@ RTCDevice new_device() {
     throw Error(Exit::no_device, "this processor lacks the instructions that Embree needs");
   if (!device)
     throw Error(Exit::internal, "Embree gives no device, perhaps for want of memory or threads");
-  const auto has = [&](RTCDeviceProperty p) { return rtcGetDeviceProperty(device, p) != 0; };
-  const char* wrong = nullptr;
-  if (has(RTC_DEVICE_PROPERTY_BACKFACE_CULLING_ENABLED)) wrong = "with back-face culling";
-  if (!has(RTC_DEVICE_PROPERTY_TRIANGLE_GEOMETRY_SUPPORTED)) wrong = "without triangles";
-  if (!has(RTC_DEVICE_PROPERTY_FILTER_FUNCTION_SUPPORTED)) wrong = "without filter functions";
-  if (!wrong) return device;
-  rtcReleaseDevice(device);
-  throw Error(Exit::internal, fmt::format("this Embree was built {}; another is needed", wrong));
+  return device;
 }
-
-// Data that Embree passes to the filter.
-struct Query : embree::Query {
-  explicit Query(const uint32_t* coin_ = nullptr, RTCFilterFunctionN filter_ = nullptr)
-      : embree::Query(filter_), coin(coin_) {}
-  const uint32_t* coin;                           ///< of a float ray
-  const std::vector<uint32_t>* passed = nullptr;  ///< all that does not stop; nullptr: by chance
-};
-
-// A camera ray, which passes backs.
-struct CameraQuery : Query {
-  CameraQuery(const Tracer& tracer_, const std::array<std::vector<uint32_t>, 2>& triangles_,
-              const Vec3d& w_)
-      : Query(nullptr, pass_backs), tracer(tracer_), triangles(triangles_), w(w_) {}
-  static void pass_backs(const RTCFilterFunctionNArguments* a) {
-    const auto& self = *static_cast<const CameraQuery*>(a->context);
-    const auto& chosen = self.triangles[RTCHitN_geomID(a->hit, a->N, 0)];
-    const uint32_t primitive = RTCHitN_primID(a->hit, a->N, 0);
-    const uint32_t triangle = chosen.empty() ? primitive : chosen[primitive];
-    if (!self.tracer.draws(triangle, self.w)) a->valid[0] = 0;
-  }
-  const Tracer& tracer;
-  const std::array<std::vector<uint32_t>, 2>& triangles;
-  const Vec3d& w;  ///< away from the camera
-};
 
 RTCRayHit ray_hit(const RTCRay& ray) {
   RTCRayHit query;
@@ -144,23 +122,32 @@ void give_vertices(RTCGeometry geometry, const std::vector<Vec3f>& positions) {
 
 }  // namespace
 
-double Tracer::Impl::coverage(uint32_t triangle, float u, float v, const Vec3d& w) const {
-  const bool alpha = traced->material_of(triangle).alpha_mode != Material::Alpha::opaque;
-  return alpha ? double{coverage_at(*traced, {triangle, u, v})} : opacity(triangle, w);
-}
+// A camera ray, which passes backs.
+struct Tracer::CameraQuery : Query {
+  CameraQuery(const Tracer& tracer_, const Vec3d& w_)
+      : Query(nullptr, pass_backs), tracer(tracer_), w(w_) {}
+  static void pass_backs(const RTCFilterFunctionNArguments* a) {
+    const auto& self = *static_cast<const CameraQuery*>(a->context);
+    const uint32_t triangle = self.tracer.impl_->triangle(RTCHitN_geomID(a->hit, a->N, 0),
+                                                          RTCHitN_primID(a->hit, a->N, 0));
+    if (!self.tracer.draws(triangle, self.w)) a->valid[0] = 0;
+  }
+  const Tracer& tracer;
+  const Vec3d& w;  ///< away from the camera
+};
 
-namespace {
-// Whether a surface of that coverage stops the ray: stochastic transparency, see the header.
-bool present(const Query& query, double coverage, uint32_t triangle, float u, float v) {
+// Whether a surface stops the ray: stochastic transparency, see the header.
+bool Tracer::Impl::stops(const Query& query, uint32_t triangle, float u, float v,
+                         const Vec3d& w) const {
+  const double share = coverage(triangle, u, v, w);
   if (query.passed)
-    return coverage > 0 &&
+    return share > 0 &&
            std::find(query.passed->begin(), query.passed->end(), triangle) == query.passed->end();
-  if (coverage >= 1 || coverage <= 0) return coverage > 0;
-  if (query.coin) return double{shader::hashed_unit(*query.coin, triangle)} < coverage;
+  if (share >= 1 || share <= 0) return share > 0;
+  if (query.coin) return double{shader::hashed_unit(*query.coin, triangle)} < share;
   const uint64_t place = uint64_t{std::bit_cast<uint32_t>(u)} << 32 | std::bit_cast<uint32_t>(v);
-  return unit_double(mix64(mix64(place) + triangle)) < coverage;
+  return unit_double(mix64(mix64(place) + triangle)) < share;
 }
-}  // namespace
 
 // `chosen`: triangles of the scene; empty: all.
 void Tracer::Impl::add_geometry(const std::vector<uint32_t>& chosen, bool alpha) {
@@ -188,8 +175,7 @@ void Tracer::Impl::add_geometry(const std::vector<uint32_t>& chosen, bool alpha)
       const Vec3d w(RTCRayN_dir_x(a->ray, a->N, 0), RTCRayN_dir_y(a->ray, a->N, 0),
                     RTCRayN_dir_z(a->ray, a->N, 0));
       const float u = RTCHitN_u(a->hit, a->N, 0), v = RTCHitN_v(a->hit, a->N, 0);
-      if (!present(*static_cast<const Query*>(a->context), self.coverage(t, u, v, w), t, u, v))
-        a->valid[0] = 0;
+      if (!self.stops(*static_cast<const Query*>(a->context), t, u, v, w)) a->valid[0] = 0;
     };
     rtcSetGeometryIntersectFilterFunction(geometry, filter);
     rtcSetGeometryOccludedFilterFunction(geometry, filter);
@@ -272,7 +258,8 @@ const TriangleShape& Tracer::shape(uint32_t triangle) const {
   return Vec3f(from.position + from.normal * (step * offset_scale_ * size));
 }
 
-bool Tracer::first_hit(const Vec3f& from, const Vec3f& w, uint32_t coin, FloatHit& hit) const {
+bool Tracer::first_hit(const Vec3f& from, const Vec3f& w, uint32_t coin,
+                       shader::SurfaceHit& hit) const {
   flush_denormals();
   RTCRayHit found = ray_hit(embree::ray(from.x, from.y, from.z, w.x, w.y, w.z, kInfinite));
   Query query(&coin);
@@ -282,7 +269,7 @@ bool Tracer::first_hit(const Vec3f& from, const Vec3f& w, uint32_t coin, FloatHi
   hit.triangle = impl_->triangle(found.hit.geomID, found.hit.primID);
   hit.b1 = found.hit.u;
   hit.b2 = found.hit.v;
-  hit.back = dot(impl_->shapes[hit.triangle].normal, Vec3d(w)) > 0;
+  hit.back = dot(impl_->shapes[hit.triangle].normal, Vec3d(w)) > 0 ? 1 : 0;
   return true;
 }
 
@@ -295,7 +282,6 @@ bool Tracer::segment_blocked(const Vec3f& a, const Vec3f& b, uint32_t coin) cons
 }
 
 // Whether a ray that hits a triangle near one of its edges was stopped before by a neighbour.
-template <class Query>
 [[gnu::noinline]] bool Tracer::stopped_before(Query& query, const Vec3f& o, const Vec3d& w,
                                               const Origin& at) const {
   const double way = length(at.position - Vec3d(o));
@@ -305,7 +291,6 @@ template <class Query>
   return tdpt_any_hit(impl_->scene, query, rest);
 }
 
-template <class Query>
 [[gnu::always_inline]] inline bool Tracer::first_surface(Query& query, const Vec3f& o,
                                                          const Vec3d& from, const Vec3d& w,
                                                          Hit& hit) const {
@@ -341,8 +326,9 @@ bool Tracer::closest(const Origin& from, const Vec3d& w, Hit& hit) const {
   return first_surface(query, step_off(from, w), from.position, w, hit);
 }
 
-bool Tracer::first_drawn(const Vec3d& camera, const Vec3d& w, Hit& hit) const {
-  CameraQuery query(*this, impl_->triangles, w);
+bool Tracer::first_seen(const Vec3d& camera, const Vec3d& w, Hit& hit) const {
+  if (!culls_) return closest({camera}, w, hit);
+  CameraQuery query(*this, w);
   return first_surface(query, step_off({camera}, w), camera, w, hit);
 }
 
@@ -355,11 +341,10 @@ bool Tracer::first_sheet(const Origin& from, const Vec3d& w, const std::vector<u
 bool Tracer::first_sheet_seen(const Vec3d& camera, const Vec3d& w,
                               const std::vector<uint32_t>& passed, Sheet& sheet) const {
   if (!culls_) return first_sheet({camera}, w, passed, sheet);
-  CameraQuery query(*this, impl_->triangles, w);
+  CameraQuery query(*this, w);
   return first_sheet(query, {camera}, w, passed, sheet);
 }
 
-template <class Query>
 bool Tracer::first_sheet(Query& query, const Origin& from, const Vec3d& w,
                          const std::vector<uint32_t>& passed, Sheet& sheet) const {
   query.passed = &passed;
@@ -370,9 +355,10 @@ bool Tracer::first_sheet(Query& query, const Origin& from, const Vec3d& w,
   return true;
 }
 
-bool Tracer::no_front_between(const Vec3d& camera, const Origin& place) const {
+bool Tracer::sees(const Vec3d& camera, const Origin& place) const {
+  if (!culls_) return visible(place, {camera});
   const Vec3d w = place.position - camera;
-  CameraQuery query(*this, impl_->triangles, w);
+  CameraQuery query(*this, w);
   return unblocked(query, place, {camera});
 }
 
@@ -381,13 +367,12 @@ bool Tracer::visible(const Origin& a, const Origin& b) const {
   return unblocked(query, a, b);
 }
 
-template <class Query>
-[[gnu::always_inline]] inline bool Tracer::unblocked(Query& query, const Origin& a,
-                                                     const Origin& b) const {
+bool Tracer::unblocked(Query& query, const Origin& one, const Origin& other) const {
   flush_denormals();
   // From the end with the smaller coordinates, which rounding moves less.
-  if (impl_->far && dot(a.position, a.position) > dot(b.position, b.position))
-    return unblocked(query, b, a);
+  const bool turned =
+      impl_->far && dot(one.position, one.position) > dot(other.position, other.position);
+  const Origin &a = turned ? other : one, &b = turned ? one : other;
   const Vec3d w = b.position - a.position;
   const Vec3f from = step_off(a, w);
   const Vec3f to = step_off(b, -w);

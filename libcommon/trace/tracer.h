@@ -24,6 +24,10 @@
 
 namespace tdpt {
 
+namespace shader {
+struct SurfaceHit;  // shaders/shared/bvh.h
+}
+
 struct Hit {
   uint32_t triangle = ~0u;
   double b1, b2;    ///< barycentrics of vertices 1 and 2
@@ -66,12 +70,8 @@ class Tracer {
   bool visible(const Origin& a, const Origin& b) const;
 
   /// The same for a camera at that point.
-  bool first_seen(const Vec3d& camera, const Vec3d& w, Hit& hit) const {
-    return culls_ ? first_drawn(camera, w, hit) : closest({camera}, w, hit);
-  }
-  bool sees(const Vec3d& camera, const Origin& place) const {
-    return culls_ ? no_front_between(camera, place) : visible(place, {camera});
-  }
+  bool first_seen(const Vec3d& camera, const Vec3d& w, Hit& hit) const;
+  bool sees(const Vec3d& camera, const Origin& place) const;
   /// The same two for the first surface of any coverage above 0, except those that `passed` names.
   struct Sheet {
     Hit hit;
@@ -91,13 +91,7 @@ class Tracer {
   /// along `w`, of any length. `coin`, random bits of the ray, decides together with those of the
   /// triangle whether a surface that is not opaque stops the ray (surface_stops() of
   /// shaders/shared/coverage.h).
-  struct FloatHit {
-    float t;  ///< in units of w
-    uint32_t triangle;
-    float b1, b2;
-    bool back;  ///< the back was hit
-  };
-  bool first_hit(const Vec3f& from, const Vec3f& w, uint32_t coin, FloatHit& hit) const;
+  bool first_hit(const Vec3f& from, const Vec3f& w, uint32_t coin, shader::SurfaceHit& hit) const;
   /// Whether something lies between `a` and `b`; in floats, as above.
   bool segment_blocked(const Vec3f& a, const Vec3f& b, uint32_t coin) const;
 
@@ -109,17 +103,13 @@ class Tracer {
 
   Vec3f step_off(const Origin& from, const Vec3d& w) const;
   Vec3f step_off_afar(const Origin& from, const Vec3d& w) const;
-  bool first_drawn(const Vec3d& camera, const Vec3d& w, Hit& hit) const;
-  bool no_front_between(const Vec3d& camera, const Origin& place) const;
-  template <class Query>
+  struct Query;
+  struct CameraQuery;
   bool stopped_before(Query& query, const Vec3f& o, const Vec3d& w, const Origin& at) const;
-  template <class Query>
   bool first_surface(Query& query, const Vec3f& o, const Vec3d& from, const Vec3d& w,
                      Hit& hit) const;
-  template <class Query>
   bool first_sheet(Query& query, const Origin& from, const Vec3d& w,
                    const std::vector<uint32_t>& passed, Sheet& sheet) const;
-  template <class Query>
   bool unblocked(Query& query, const Origin& a, const Origin& b) const;
 
   const Scene& scene_;

@@ -150,7 +150,7 @@ std::vector<std::unique_ptr<Walls>> all_walls() {
 }
 // The same without looking again at what lies near an edge.
 bool plain_hit(const Walls& walls, const Tracer::Origin& from, const Vec3d& w, Hit& hit) {
-  Tracer::FloatHit found;
+  shader::SurfaceHit found;
   const double step = from.normal == Vec3d() ? 0 : dot(from.normal, w) < 0 ? -4.8e-7 : 4.8e-7;
   hit.triangle = ~0u;
   if (!walls.tracer->first_hit(Vec3f(from.position + from.normal * step), Vec3f(w), 0, found))

@@ -4,8 +4,8 @@
 #include <cstring>
 
 #include "libcommon/math/rng.h"
-#include "libcommon/testing/scenes/meshes.h"
 #include "libcommon/testing/scalar_tracer.h"
+#include "libcommon/testing/scenes/meshes.h"
 #include "libcommon/trace/tracer.h"
 
 // Twins of ScalarTracer.
@@ -360,7 +360,7 @@ TEST(traversal, no_ray_leaves_a_closed_mesh_by_embree) {
     const Tracer tracer(scene);
     for_rays_within(scene, kLeakRays, [&](const Vec3f& o, const Vec3f& d, int i) {
       if (i % 4 < 2) return;
-      Tracer::FloatHit hit;
+      shader::SurfaceHit hit;
       ASSERT_TRUE(tracer.first_hit(o, d, 0, hit));
       ASSERT_TRUE(tracer.segment_blocked(o, o + d * (3 * reach_along(d)), 0));
     });

@@ -70,22 +70,14 @@ GENERIC REAL leaves_voxel(OF_REAL(VoxelWalk) w) {
 GENERIC bool next_voxel(INOUT(OF_REAL(VoxelWalk)) w) {
   VEC3 wall = walls_ahead(w);
   if (w.left.x + w.left.y + w.left.z == 0) return false;
-  if (wall.x <= wall.y && wall.x <= wall.z) {
-    w.at.x += w.step.x;
-    w.left.x -= 1;
-    REAL n = w.next.x + w.delta.x;
-    w.next.x = n;
-  } else if (wall.y <= wall.z) {
-    w.at.y += w.step.y;
-    w.left.y -= 1;
-    REAL n = w.next.y + w.delta.y;
-    w.next.y = n;
-  } else {
-    w.at.z += w.step.z;
-    w.left.z -= 1;
-    REAL n = w.next.z + w.delta.z;
-    w.next.z = n;
-  }
+  bool x = wall.x <= wall.y && wall.x <= wall.z;
+  bool y = !x && wall.y <= wall.z;
+  ivec3 along = ivec3(x ? 1 : 0, y ? 1 : 0, x || y ? 0 : 1);
+  w.at = w.at + w.step * along;
+  w.left = w.left - along;
+  VEC3 way = w.delta * VEC3(along);
+  VEC3 next = w.next + way;
+  w.next = next;
   return true;
 }
 

@@ -131,10 +131,10 @@ struct LightParameters {
   uint count;
   uint first_arc;
   uint arcs;
-  uint levels;   ///< bit l: some patch has level l
-  int slab_low;  ///< range of voxels along z that are counted
-  int slab_high;
+  uint levels;          ///< bit l: some patch has level l
   uint first_sky_face;  ///< this face and all later ones are whole patches of the sky
+  uint pad0;
+  uint pad1;
 };
 
 SHARED_END

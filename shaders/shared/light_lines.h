@@ -111,17 +111,14 @@ SHARED int order_of_cells(PatchCell p, uint level, ivec3 cell) {
   return 0;
 }
 
-/// Region of the finest patch that contains `place` on `face`; false if there is none (no walk has
-/// reached that surface).
-SHARED bool region_at(uint face, vec3 place, OUT(uint) region) {
-  region = 0u;
+/// Index in patch_cells of the finest patch that contains `place` on `face`; false if there is none
+/// (no walk has reached that surface).
+SHARED bool cell_at(uint face, vec3 place, OUT(uint) index) {
   uint begin = first_cell[face];
   uint end = first_cell[face + 1u];
+  index = begin;
   if (begin == end) return false;
-  if (face >= light.first_sky_face) {
-    region = patch_cells[begin].level_region & 0xffffffu;
-    return true;
-  }
+  if (face >= light.first_sky_face) return true;
   vec3 from_corner = place - light.cell_corner;
   for (int level = 15; level >= 0; --level) {
     if ((light.levels & (1u << uint(level))) == 0u) continue;
@@ -140,11 +137,19 @@ SHARED bool region_at(uint face, vec3 place, OUT(uint) region) {
       }
     }
     if (low < end && order_of_cells(patch_cells[low], uint(level), cell) == 0) {
-      region = patch_cells[low].level_region & 0xffffffu;
+      index = low;
       return true;
     }
   }
   return false;
+}
+
+/// The region of that patch.
+SHARED bool region_at(uint face, vec3 place, OUT(uint) region) {
+  uint index;
+  bool found = cell_at(face, place, index);
+  region = found ? patch_cells[index].level_region & 0xffffffu : 0u;
+  return found;
 }
 
 /// 0: the light's side of the cut, 1: the camera's.
@@ -275,7 +280,7 @@ SHARED bool within_grid(INOUT(vec3) a, INOUT(vec3) b) {
   return true;
 }
 
-/// Counts the line in every voxel of the slab that it passes through.
+/// Counts the line in every voxel that it passes through.
 SHARED void march(LineEnds line) {
   vec3 w = line.camera - line.light;
   ivec3 direction = direction_in_units(w);
@@ -285,7 +290,7 @@ SHARED void march(LineEnds line) {
     return;
   OF_FLOAT(VoxelWalk) walk = voxel_walk(from, to, light.dim);
   do {
-    if (walk.at.z >= light.slab_low && walk.at.z < light.slab_high) count_voxel(walk.at, direction);
+    count_voxel(walk.at, direction);
   } while (next_voxel(walk));
 }
 

@@ -11,7 +11,7 @@
 namespace tdpt {
 
 bool triangle_touches_box(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& half) {
-  const auto apart = [&](const Vec3d& axis) {
+  const auto separated = [&](const Vec3d& axis) {
     const double pa = dot(axis, a), pb = dot(axis, b), pc = dot(axis, c);
     const double r =
         half.x * std::abs(axis.x) + half.y * std::abs(axis.y) + half.z * std::abs(axis.z);
@@ -19,12 +19,12 @@ bool triangle_touches_box(const Vec3d& a, const Vec3d& b, const Vec3d& c, const 
   };
   const Vec3d axes[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   for (const Vec3d& axis : axes)
-    if (apart(axis)) return false;
+    if (separated(axis)) return false;
   const Vec3d edges[3] = {b - a, c - b, a - c};
-  if (apart(cross(edges[0], edges[1]))) return false;
+  if (separated(cross(edges[0], edges[1]))) return false;
   for (const Vec3d& edge : edges)
     for (const Vec3d& axis : axes)
-      if (apart(cross(edge, axis))) return false;
+      if (separated(cross(edge, axis))) return false;
   return true;
 }
 
@@ -34,27 +34,9 @@ struct VoxelRange {
   std::array<int, 3> low, high;  // range of voxel indices, high excluded
 };
 
-bool is_air(const LightGrid& grid, int i, int j, int k) {
-  return __atomic_load_n(&grid.air[grid.index(i, j, k)], __ATOMIC_RELAXED) != 0;
-}
-
-// Whether a small box contains no air any more, so that it can be skipped; large boxes are not
-// scanned.
-bool all_taken(const LightGrid& grid, const VoxelRange& box) {
-  int voxels = 1;
-  for (size_t c = 0; c < 3; ++c) voxels *= box.high[c] - box.low[c];
-  if (voxels > 8) return false;
-  for (int k = box.low[2]; k < box.high[2]; ++k)
-    for (int j = box.low[1]; j < box.high[1]; ++j)
-      for (int i = box.low[0]; i < box.high[0]; ++i)
-        if (is_air(grid, i, j, k)) return false;
-  return true;
-}
-
 // Halves the box down to single voxels: a large slanted triangle then costs its surface, not its
 // box.
 void mark_taken(LightGrid& grid, const Vec3d (&p)[3], const VoxelRange& box) {
-  if (all_taken(grid, box)) return;
   Vec3d middle, half;
   int widest = 0;
   for (int c = 0; c < 3; ++c) {
@@ -65,13 +47,12 @@ void mark_taken(LightGrid& grid, const Vec3d (&p)[3], const VoxelRange& box) {
         box.high[static_cast<size_t>(widest)] - box.low[static_cast<size_t>(widest)])
       widest = c;
   }
-  if (!triangle_touches_box(p[0] - middle, p[1] - middle, p[2] - middle, half)) return;
   const auto w = static_cast<size_t>(widest);
-  if (box.high[w] - box.low[w] == 1) {
-    __atomic_store_n(&grid.air[grid.index(box.low[0], box.low[1], box.low[2])], uint8_t{0},
-                     __ATOMIC_RELAXED);
-    return;
-  }
+  const bool single = box.high[w] - box.low[w] == 1;
+  uint8_t& air = grid.air[grid.index(box.low[0], box.low[1], box.low[2])];
+  if (single && __atomic_load_n(&air, __ATOMIC_RELAXED) == 0) return;
+  if (!triangle_touches_box(p[0] - middle, p[1] - middle, p[2] - middle, half)) return;
+  if (single) return __atomic_store_n(&air, uint8_t{0}, __ATOMIC_RELAXED);
   const int split = (box.low[w] + box.high[w]) / 2;
   VoxelRange first = box, second = box;
   first.high[w] = second.low[w] = split;
@@ -210,7 +191,7 @@ struct Face {
   Vec3d place() const { return moment / length(n); }
 };
 
-// Of the glass, the largest first.
+// Flat faces of glass, the largest first.
 std::vector<Face> flat_faces(const Scene& scene) {
   std::map<std::array<long, 4>, Face> by_plane;
   const size_t surfaces = std::min<size_t>(scene.dome, scene.triangles.size());

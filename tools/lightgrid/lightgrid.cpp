@@ -198,7 +198,7 @@ struct LightCounter {
           if (line.fate[i] != LineFate::joins) continue;
           ++pass.kept;
           if (kept.size() < kMostKept)
-            kept.push_back(in_metres(scene, grid, tracer.tables(), c, line.ends[i]));
+            kept.push_back(tracer.in_metres(scene, grid, c, line.ends[i]));
         }
         pass.drawn += n;
         if (watch.progress) watch.progress(n);

@@ -12,7 +12,6 @@
 #include "libcommon/base/error.h"
 #include "libcommon/base/process.h"
 #include "libcommon/gpu/device.h"
-#include "tools/lightgrid/gpu_lines.h"
 #include "tools/lightgrid/lightgrid.h"
 #include "tools/lightgrid/testing/scalar_lines.h"
 

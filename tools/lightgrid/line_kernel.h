@@ -74,9 +74,8 @@ namespace tdpt {
 template <class Rays>
 class CpuLines : public LineTracer {
  public:
-  CpuLines(Rays rays, const Scene& scene, const LineTables& tables, const LightGrid& grid,
-           uint64_t seed)
-      : LineTracer(scene, tables, grid, seed), rays_(std::move(rays)), sums_(grid.count.size()) {}
+  CpuLines(const Scene& scene, const LineTables& tables, const LightGrid& grid, uint64_t seed)
+      : LineTracer(scene, tables, grid, seed), rays_(scene), sums_(grid.count.size()) {}
 
   void clear() override { sums_.clear(); }
   void counts(std::vector<uint32_t>& count) override { sums_.counts(count); }
@@ -102,7 +101,7 @@ class CpuLines : public LineTracer {
     });
   }
 
-  Rays rays_;
+  const Rays rays_;
   VoxelSums sums_;
 };
 

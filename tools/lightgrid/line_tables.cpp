@@ -218,36 +218,6 @@ void add_cells(const Scene& scene, const CutFile& cut, const std::string& cut_na
 
 }  // namespace
 
-uint32_t patch_at(const LineTables& tables, uint32_t face, const shader::vec3& place) {
-  const uint32_t begin = tables.first_cell[face], end = tables.first_cell[face + 1];
-  if (begin == end) return UINT32_MAX;
-  if (face >= tables.first_sky_face) return tables.patch_of_cell[begin];
-  const shader::vec3 from_corner = place - tables.cell_corner;
-  for (int level = 15; level >= 0; --level) {
-    if (!(tables.levels & (1u << level))) continue;
-    const shader::vec3 q = from_corner * (tables.cells_per_unit * std::ldexp(1.0f, 2 * level));
-    if (!(max_component(max(q, -q)) < 2e9f)) continue;
-    const std::array<int32_t, 3> cell{static_cast<int32_t>(std::floor(q.x)),
-                                      static_cast<int32_t>(std::floor(q.y)),
-                                      static_cast<int32_t>(std::floor(q.z))};
-    const auto key = [&](uint32_t at) {
-      const shader::PatchCell& c = tables.patch_cells[at];
-      return std::tuple(static_cast<int>(c.level_region >> 24),
-                        std::array<int32_t, 3>{c.cell.x, c.cell.y, c.cell.z});
-    };
-    uint32_t low = begin, high = end;
-    while (low < high) {
-      const uint32_t middle = (low + high) / 2;
-      if (key(middle) < std::tuple(level, cell))
-        low = middle + 1;
-      else
-        high = middle;
-    }
-    if (low < end && key(low) == std::tuple(level, cell)) return tables.patch_of_cell[low];
-  }
-  return UINT32_MAX;
-}
-
 LineTables make_line_tables(const Scene& scene, const CutFile& cut, const std::string& cut_name) {
   LineTables tables;
   add_cells(scene, cut, cut_name, tables);

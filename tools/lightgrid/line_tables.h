@@ -33,10 +33,6 @@ struct LineTables {
   uint32_t first_sky_face = UINT32_MAX;  ///< faces from here on belong to the sky
 };
 
-/// The finest patch that contains `place` [canonical] on `face`; UINT32_MAX: none. The host's
-/// region_at() of light_lines.h.
-uint32_t patch_at(const LineTables& tables, uint32_t face, const shader::vec3& place);
-
 /// `scene` must have a dome if the cut has a sky. Throws InputError if the cut refers to triangles
 /// that the scene does not have; `cut_name` names the cut file in the message.
 LineTables make_line_tables(const Scene& scene, const CutFile& cut, const std::string& cut_name);

@@ -88,7 +88,7 @@ TEST(LinesUnderASky, are_free_and_end_at_the_grid) {
     ASSERT_TRUE(
         rays.closest({Vec3d(ends.camera), ends.camera_face & 1 ? -s.normal : s.normal}, w, hit));
     met_on_the_way += hit.triangle < c.scene.dome;
-    const LightLine line = in_metres(c.scene, grid, c.tables, 0, ends);
+    const LightLine line = tracer->in_metres(c.scene, grid, 0, ends);
     EXPECT_LT(length(line.light - line.camera), 6);  // metres
     EXPECT_GT(dot(normalize(line.light - line.camera), w), 1 - 1e-6);
     ++seen;

@@ -16,10 +16,15 @@ shader::LightParameters common_of(const Scene& scene, const LineTables& tables,
   p.cells_per_unit = tables.cells_per_unit;
   p.seed = seed;
   p.levels = tables.levels;
-  p.slab_high = grid.dim[2];
   p.first_sky_face = tables.first_sky_face;
   return p;
 }
+
+// For looking up patches alone.
+struct NoRays {
+  bool segment_blocked(const Vec3f&, const Vec3f&, uint32_t) const { return false; }
+  bool first_hit(const Vec3f&, const Vec3f&, uint32_t, shader::SurfaceHit&) const { return false; }
+};
 
 }  // namespace
 
@@ -43,18 +48,27 @@ bool clip_to(const LightGrid& grid, LightLine& line) {
   return true;
 }
 
-LightLine in_metres(const Scene& scene, const LightGrid& grid, const LineTables& tables, size_t c,
-                    const shader::LineEnds& ends) {
+uint32_t LineTracer::patch_at(uint32_t face, const shader::vec3& place) const {
+  static const NoRays none;
+  static VoxelSums sums(0);
+  uint32_t index;
+  return shader::LineKernel(none, tables_, common_, sums).cell_at(face, place, index)
+             ? tables_.patch_of_cell[index]
+             : UINT32_MAX;
+}
+
+LightLine LineTracer::in_metres(const Scene& scene, const LightGrid& grid, size_t c,
+                                const shader::LineEnds& ends) const {
   LightLine line{scene.frame.to_metres(Vec3d(ends.light)),
                  scene.frame.to_metres(Vec3d(ends.camera))};
   line.share = 1;
-  if (!tables.light.empty()) {
-    const uint32_t from = patch_at(tables, ends.light_face, ends.light);
-    const uint32_t to = patch_at(tables, ends.camera_face, ends.camera);
+  if (!tables_.light.empty()) {
+    const uint32_t from = patch_at(ends.light_face, ends.light);
+    const uint32_t to = patch_at(ends.camera_face, ends.camera);
     const bool known = from != UINT32_MAX && to != UINT32_MAX;
-    line.share =
-        known ? tables.light[from].brightness * tables.light[to].importance[tables.cuts[c].camera]
-              : 0;
+    line.share = known ? tables_.light[from].brightness *
+                             tables_.light[to].importance[tables_.cuts[c].camera]
+                       : 0;
   }
   if (std::max(ends.light_face, ends.camera_face) / 2 >= scene.dome) clip_to(grid, line);
   return line;
@@ -109,31 +123,9 @@ void VoxelSums::take_directions(std::vector<Vec3d>& sum) {
   }
 }
 
-namespace {
-
-// ---- Embree ----
-
-struct EmbreeRays {
-  std::unique_ptr<Tracer> tracer;
-
-  bool segment_blocked(const Vec3f& a, const Vec3f& b, uint32_t coin) const {
-    return tracer->segment_blocked(a, b, coin);
-  }
-  bool first_hit(const Vec3f& origin, const Vec3f& w, uint32_t coin,
-                 shader::SurfaceHit& hit) const {
-    Tracer::FloatHit found;
-    if (!tracer->first_hit(origin, w, coin, found)) return false;
-    hit = {found.t, found.triangle, found.b1, found.b2, found.back ? 1u : 0u};
-    return true;
-  }
-};
-
-}  // namespace
-
 std::unique_ptr<LineTracer> make_embree_lines(const Scene& scene, const LineTables& tables,
                                               const LightGrid& grid, uint64_t seed) {
-  return std::make_unique<CpuLines<EmbreeRays>>(EmbreeRays{std::make_unique<Tracer>(scene)}, scene,
-                                                tables, grid, seed);
+  return std::make_unique<CpuLines<Tracer>>(scene, tables, grid, seed);
 }
 
 }  // namespace tdpt

@@ -1,5 +1,5 @@
 // Interface that traces lines of light and counts them in the grid. Implementations: Embree
-// (below), compute shaders on a Vulkan device (gpu_lines.h) and, for tests, the scalar
+// (below), compute shaders on a Vulkan device and, for tests, the scalar
 // build of these shaders (testing/scalar_lines.h). All generate the same lines from the same seed;
 // Embree's rays hit another triangle than the two others' in fewer than 1 of 10 000 cases.
 #pragma once
@@ -16,6 +16,10 @@
 
 namespace tdpt {
 
+namespace gpu {
+class Device;
+}
+
 /// Outcome of a line; the numbers are those of the shaders.
 enum class LineFate : uint32_t {
   none = FATE_NONE,            ///< blocked, or an end is on no patch
@@ -31,11 +35,6 @@ struct TracedLines {
 
 /// Clips a line to the grid; false if no part of it lies within.
 bool clip_to(const LightGrid& grid, LightLine& line);
-/// Canonical line of cut `c` -> metres. A line from or to the sky is clipped to the grid. `share`:
-/// brightness of the patch at its one end times importance of that at the other, in the direction
-/// of the light; 1 where no patch has light.
-LightLine in_metres(const Scene& scene, const LightGrid& grid, const LineTables& tables, size_t c,
-                    const shader::LineEnds& line);
 
 class LineTracer {
  public:
@@ -47,7 +46,6 @@ class LineTracer {
   void between_pivots(size_t c, uint32_t first, uint32_t n, TracedLines& out);
   /// Traces the line through each point both ways to the first surface; a try without direction is
   /// skipped. `round` separates the random numbers of several calls.
-  const LineTables& tables() const { return tables_; }
   void through(size_t c, uint32_t round, std::span<const shader::LineTry> tries, TracedLines& out);
 
   /// Resets counts and directions to 0.
@@ -57,6 +55,14 @@ class LineTracer {
   /// Adds the sums of their unit directions, towards the camera, since the last call or clear(). At
   /// most LIGHT_MOST_SUMMED segments may be sampled in between.
   virtual void take_directions(std::vector<Vec3d>& sum) = 0;
+
+  /// The finest patch that contains `place` [canonical] on `face`; UINT32_MAX: none.
+  uint32_t patch_at(uint32_t face, const shader::vec3& place) const;
+  /// Canonical line of cut `c` -> metres. A line from or to the sky is clipped to the grid.
+  /// `share`: brightness of the patch at its one end times importance of that at the other, in the
+  /// direction of the light; 1 where no patch has light.
+  LightLine in_metres(const Scene& scene, const LightGrid& grid, size_t c,
+                      const shader::LineEnds& line) const;
 
  protected:
   /// Keeps a reference to the tables. Uses only the box of `grid`.
@@ -112,5 +118,13 @@ class VoxelSums {
 /// Keeps references to the scene and the tables.
 std::unique_ptr<LineTracer> make_embree_lines(const Scene& scene, const LineTables& tables,
                                               const LightGrid& grid, uint64_t seed);
+
+// Lines of light traced on a Vulkan device (gpu_lines.cpp).
+
+/// Keeps a reference to the tables. Throws Error (no_device) if the scene or the grid is too large
+/// for the device. The scene's glass must be open. `most_lines`: of a submission.
+std::unique_ptr<LineTracer> make_gpu_lines(const gpu::Device& device, const Scene& scene,
+                                           const LineTables& tables, const LightGrid& grid,
+                                           uint64_t seed, uint32_t most_lines = 1u << 18);
 
 }  // namespace tdpt

@@ -9,8 +9,8 @@
 
 #include "libcommon/base/error.h"
 #include "libcommon/gpu/kernel.h"
-#include "libcommon/trace/bvh.h"
 #include "libcommon/testing/scalar_tracer.h"
+#include "libcommon/trace/bvh.h"
 #include "shaders/shared/grid_walk.h"
 #include "shaders/shared/rng.h"
 #include "shaders/special_segments_test.h"
@@ -79,39 +79,25 @@ TEST_F(LineTracers, another_seed_gives_other_lines) {
   EXPECT_FALSE(a.count == b.count);
 }
 
-TEST_F(LineTracers, slabs_and_short_submissions_change_nothing) {
+TEST_F(LineTracers, short_submissions_change_nothing) {
   const Case c = two_rooms();
   const LightGrid grid = empty_grid(c.scene, 64);
-  const Outcome whole = on_device(c, grid, 5000);
-  const auto layer = static_cast<uint64_t>(grid.dim[0] * grid.dim[1]);
-  GpuLineBounds bounds;
-  bounds.voxels = 7 * layer;
-  expect_same(whole, on_device(c, grid, 5000, kSeed, bounds));
-  bounds.voxels = 1;  // at least one layer
-  bounds.lines = 777;
-  expect_same(whole, on_device(c, grid, 5000, kSeed, bounds));
+  expect_same(on_device(c, grid, 5000), on_device(c, grid, 5000, kSeed, 777));
 }
 
 TEST_F(LineTracers, counts_start_again_when_cleared) {
   const Case c = two_rooms();
   const LightGrid grid = empty_grid(c.scene, 32);
-  for (const bool slabs : {false, true}) {
-    GpuLineBounds bounds;
-    if (slabs) bounds.voxels = 1;
-    const auto tracer = make_gpu_lines(*device, c.scene, c.tables, grid, kSeed, bounds);
-    const Outcome first = outcome_of(*tracer, grid, 3000);
-    expect_same(first, outcome_of(*tracer, grid, 3000));
-  }
+  const auto tracer = make_gpu_lines(*device, c.scene, c.tables, grid, kSeed);
+  const Outcome first = outcome_of(*tracer, grid, 3000);
+  expect_same(first, outcome_of(*tracer, grid, 3000));
 }
 
 TEST_F(LineTracers, forget_directions_when_cleared) {
   const Case c = two_rooms();
   const LightGrid grid = empty_grid(c.scene, 32);
-  GpuLineBounds slabs;
-  slabs.voxels = 1;
   for (const auto& tracer : {make_embree_lines(c.scene, c.tables, grid, kSeed),
-                             make_gpu_lines(*device, c.scene, c.tables, grid, kSeed),
-                             make_gpu_lines(*device, c.scene, c.tables, grid, kSeed, slabs)}) {
+                             make_gpu_lines(*device, c.scene, c.tables, grid, kSeed)}) {
     TracedLines lines;
     std::vector<Vec3d> sum(grid.count.size());
     tracer->between_pivots(0, 0, 1000, lines);
@@ -297,48 +283,6 @@ TEST_F(LineTracers, device_and_twin_agree_on_special_segments) {
   EXPECT_TRUE(count == device_count);
   EXPECT_GT(stopped, n / 20);
   EXPECT_GT(hit, n / 20);
-}
-
-// The march must not touch texels outside an image: no device reports such writes.
-TEST(SlabOf, TheyFollowEachOtherAndNoneIsTooDeep) {
-  for (const int32_t layers : {1, 7, 64})
-    for (const uint32_t depth : {1u, 5u, 64u}) {
-      int32_t next = 0;
-      for (uint32_t s = 0; next < layers; ++s) {
-        const Slab slab = slab_of(s, depth, layers);
-        ASSERT_EQ(slab.low, next);
-        ASSERT_GT(slab.high, slab.low);
-        ASSERT_LE(slab.high - slab.low, static_cast<int32_t>(depth));
-        next = slab.high;
-      }
-      EXPECT_EQ(next, layers);
-    }
-}
-
-TEST(SlabDepth, KeepsToTheDevicesLimits) {
-  gpu::Limits limits;
-  limits.memory = 1ull << 30;
-  limits.image = 1ull << 28;
-  limits.image_side = 256;
-  LightGrid grid;
-  grid.dim = {128, 100, 50};
-  EXPECT_EQ(slab_depth("a device", limits, grid), 50u);
-  limits.image = 4 * 128 * 100 * 7 + 1;
-  EXPECT_EQ(slab_depth("a device", limits, grid), 7u);
-  limits.memory = 2 * 16 * 128 * 100 * 5;
-  EXPECT_EQ(slab_depth("a device", limits, grid), 5u);
-  limits.memory = 1;
-  EXPECT_EQ(slab_depth("a device", limits, grid), 1u);
-  grid.dim = {128, 300, 50};
-  try {
-    slab_depth("a device", limits, grid);
-    FAIL();
-  } catch (const Error& e) {
-    EXPECT_EQ(e.code, Exit::no_device);
-    EXPECT_STREQ(
-        e.what(),
-        "a device: the grid has 300 voxels along one side, the device's images at most 256");
-  }
 }
 
 }  // namespace tdpt::testing::line_tracer_test

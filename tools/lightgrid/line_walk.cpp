@@ -259,7 +259,7 @@ class Chains {
   void step(size_t i, uint32_t round) {
     if (found_.fate[i] == LineFate::none) return;
     const bool joins = found_.fate[i] == LineFate::joins;
-    const LightLine line = in_metres(scene_, grid_, tracer_.tables(), cut_, found_.ends[i]);
+    const LightLine line = tracer_.in_metres(scene_, grid_, cut_, found_.ends[i]);
     if (joins) {
       const double ratio = lit_share(line) / lit_share(line_[i]);
       Rng rng(seed_, stream_, i, kMostSteps + 2 + round);

@@ -14,7 +14,6 @@
 #include "libcommon/options/shot_options.h"
 #include "libcommon/options/sky_options.h"
 #include "libcommon/scene/uses.h"
-#include "tools/lightgrid/gpu_lines.h"
 #include "tools/lightgrid/lightgrid.h"
 #include "tools/lightgrid/line_tables.h"
 #include "tools/lightgrid/preview.h"

@@ -35,11 +35,11 @@ class TestPicture {
   /// skewed, as that of light is.
   Input halves(double noise, uint64_t seed = 1) const {
     Input input{kSize, {truth, truth, 0.5, features}};
-    for (Colour* half : {&input.shot.a, &input.shot.b})
+    for (Colour* half : {&input.halves.a, &input.halves.b})
       for (size_t i = 0; i < kSize.pixels(); ++i) {
         // Exponential, with mean 1 and deviation 1.
         const double u =
-            unit_double(mix64(mix64(i + (half == &input.shot.a ? 1000000 : 0)) + seed));
+            unit_double(mix64(mix64(i + (half == &input.halves.a ? 1000000 : 0)) + seed));
         const auto factor = static_cast<float>(1 + noise * (-std::log(1 - u) - 1));
         for (Plane& plane : *half) plane[i] *= factor;
       }
@@ -64,10 +64,10 @@ class TestPicture {
     return sum / static_cast<double>(3 * kSize.pixels());
   }
   static Colour noisy(const Input& input) {
-    Colour all = input.shot.a;
+    Colour all = input.halves.a;
     for (size_t c = 0; c < 3; ++c)
       for (size_t i = 0; i < kSize.pixels(); ++i)
-        all[c][i] = 0.5f * (input.shot.a[c][i] + input.shot.b[c][i]);
+        all[c][i] = 0.5f * (input.halves.a[c][i] + input.halves.b[c][i]);
     return all;
   }
 

@@ -2,7 +2,7 @@
 // (testing/scalar_build.cpp of the renderer).
 //
 // Include in a scope that has load_name() of SCENE_TABLES and PATH_TABLES [path/tables.h], the
-// arrays of the latter and of PATH_WORDS, the scene's features (see path_bindings.glsl), `render`,
+// arrays of the latter, film_words[], the scene's features (see path_bindings.glsl), `render`,
 // `guiding`, `light_settings`, `work` and tally_bucket(): a GLSL file after its buffers, or the
 // body of a C++ struct. Each included text begins with language.h.
 

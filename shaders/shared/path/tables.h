@@ -48,12 +48,10 @@
   TABLE(16, uint, lit_segment, lit_segments, room.samples)                                    \
   TABLE(17, uint, lit_first, lit_first, room.samples + 1)                                     \
   TABLE(18, float, estimate, estimates, room.estimates())                                     \
-  TABLE(19, PathBsdf, path_bsdf, path_bsdfs, layered ? room.vertices : 0)
-// WORDS(binding, array, count).
-#define PATH_WORDS(WORDS)                  \
-  WORDS(20, walk_counts, room.samples + 1) \
-  WORDS(21, flags, room.flags() + 1)       \
-  WORDS(22, film_words, words_of_film)
+  TABLE(19, PathBsdf, path_bsdf, path_bsdfs, layered ? room.vertices : 0)                     \
+  TABLE(20, uint, walk_count, walk_counts, room.samples + 1)                                  \
+  TABLE(21, uint, flag, flags, room.flags() + 1)
+#define FILM_BINDING 22  // film_words
 
 SHARED_BEGIN
 

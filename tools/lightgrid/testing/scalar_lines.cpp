@@ -2,10 +2,10 @@
 
 #include "libcommon/scene/surface_tables.h"
 #include "libcommon/trace/bvh.h"
+#include "shaders/shared/bvh.h"
 #include "shaders/shared/rng.h"
 #include "shaders/shared/tables.h"
 #include "shaders/shared/texels.h"
-#include "shaders/shared/bvh.h"
 #include "tools/lightgrid/line_kernel.h"
 
 namespace tdpt {
@@ -31,19 +31,18 @@ namespace {
 
 // Owns what its rays look at.
 struct ScalarRays : shader::ScalarRays {
-  std::shared_ptr<const Bvh> bvh;
-  std::shared_ptr<const CoverageTables> coverage_tables;
+  const Bvh bvh;
+  const CoverageTables coverage_tables;
 
   explicit ScalarRays(const Scene& scene)
-      : bvh(std::make_shared<Bvh>(build_bvh(scene))),
-        coverage_tables(std::make_shared<CoverageTables>(make_coverages(scene))) {
-    bvh_nodes = bvh->nodes.data();
-    bvh_triangles = bvh->triangles.data();
-    coverage_of = coverage_tables->coverage_of.data();
-    coverages = coverage_tables->coverages.data();
-    texel_words = coverage_tables->texels.data();
-    scene_has_coverage = !coverage_tables->coverages.empty();
-    coverage_has_textures = coverage_tables->textured();
+      : bvh(build_bvh(scene)), coverage_tables(make_coverages(scene)) {
+    bvh_nodes = bvh.nodes.data();
+    bvh_triangles = bvh.triangles.data();
+    coverage_of = coverage_tables.coverage_of.data();
+    coverages = coverage_tables.coverages.data();
+    texel_words = coverage_tables.texels.data();
+    scene_has_coverage = !coverage_tables.coverages.empty();
+    coverage_has_textures = coverage_tables.textured();
   }
 };
 
@@ -51,7 +50,7 @@ struct ScalarRays : shader::ScalarRays {
 
 std::unique_ptr<LineTracer> make_scalar_lines(const Scene& scene, const LineTables& tables,
                                               const LightGrid& grid, uint64_t seed) {
-  return std::make_unique<CpuLines<ScalarRays>>(ScalarRays(scene), scene, tables, grid, seed);
+  return std::make_unique<CpuLines<ScalarRays>>(scene, tables, grid, seed);
 }
 
 }  // namespace tdpt

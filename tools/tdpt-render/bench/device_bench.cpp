@@ -10,6 +10,8 @@
 
 #include "libcommon/base/error.h"
 #include "libcommon/base/process.h"
+#include "libcommon/gpu/statistics_bench.h"
+#include "shaders/path_steps.h"
 #include "tools/tdpt-render/bench/device_traffic.h"
 #include "tools/tdpt-render/device/gpu_renderer.h"
 #include "tools/tdpt-render/device/wavefront.h"
@@ -101,6 +103,70 @@ Spread spread_of(std::vector<double> values) {
   return {values.front(), values[values.size() / 2], values.back()};
 }
 
+double wall_seconds() {
+  using namespace std::chrono;
+  return duration<double>(steady_clock::now().time_since_epoch()).count();
+}
+
+// A machine that adds its work to `work`.
+class TimedMachine : public Machine {
+ public:
+  TimedMachine(std::unique_ptr<Machine> machine, bool of_cores, DeviceWork& work)
+      : machine_(std::move(machine)), of_cores_(of_cores), work_(work) {}
+  Capacity room() const override { return machine_->room(); }
+  void set(const shader::RenderParameters& p, const std::vector<uint32_t>& offsets) override {
+    machine_->set(p, offsets);
+  }
+  void run(Step step, const shader::StepParameters& p) override {
+    timed(work_.steps[static_cast<size_t>(step)], p.count, [&] {
+      machine_->run(step, p);
+      return 0u;
+    });
+  }
+  uint32_t pick(uint32_t count, uint32_t first) override {
+    return timed(work_.gather, count, [&] { return machine_->pick(count, first); });
+  }
+  void place_ends(uint32_t walks) override {
+    timed(work_.gather, walks, [&] {
+      machine_->place_ends(walks);
+      return 0u;
+    });
+  }
+  std::vector<uint32_t> take_film() override { return machine_->take_film(); }
+
+ private:
+  template <class F>
+  uint32_t timed(StepWork& to, uint32_t invocations, const F& f) {
+    const auto now = [&] { return of_cores_ ? cpu_seconds() : wall_seconds(); };
+    const double before = now();
+    const uint32_t result = f();
+    if (invocations == 0) return result;
+    to.seconds += now() - before;
+    ++to.runs;
+    to.invocations += invocations;
+    return result;
+  }
+  const std::unique_ptr<Machine> machine_;
+  const bool of_cores_;
+  DeviceWork& work_;
+};
+
+// A renderer that adds the time of making kernels.
+struct TimedRenderer : WavefrontRenderer {
+  TimedRenderer(const Vista& vista_, std::unique_ptr<Machine> machine, std::string name,
+                DeviceWork& work_)
+      : WavefrontRenderer(vista_, std::move(machine), std::move(name)), work(work_) {}
+  void prepare(const Integrator& integrator, const SampleRules& rules, const Film& film,
+               bool quiet) override {
+    const DeviceWork before = work;
+    const double start = wall_seconds();
+    WavefrontRenderer::prepare(integrator, rules, film, quiet);
+    work = before;
+    work.making += wall_seconds() - start;
+  }
+  DeviceWork& work;
+};
+
 // A scene with both renderers.
 struct Stage {
   Stage(const Options& o, const gpu::Device& device)
@@ -110,11 +176,13 @@ struct Stage {
         tables(vista),
         of_cores(device.info().kind == "cpu") {
     const FilmPlaces places(pixels(), {}, vista.openings.portals.portals());
-    renderer = std::make_shared<WavefrontRenderer>(
+    renderer = std::make_shared<TimedRenderer>(
         vista,
-        make_gpu_machine(device, tables, capacity_on(device, tables, places.words), places.words,
-                         &work),
-        device.info().name);
+        std::make_unique<TimedMachine>(
+            make_gpu_machine(device, tables, capacity_on(device, tables, places.words),
+                             places.words),
+            of_cores, work),
+        device.info().name, work);
   }
   static std::vector<Portal> portals_of(const Options& o) {
     std::vector<Portal> portals;
@@ -166,11 +234,7 @@ Candidate candidate_of(const std::string& name, const Options& o, Stage& stage) 
 double one_round(const Candidate& c, const Job& settings, const Stage& stage,
                  SampleRenderer& renderer, RenderResult& result) {
   const bool of_cores = !renderer.on_device() || stage.of_cores;
-  const auto now = [&] {
-    using namespace std::chrono;
-    if (of_cores) return cpu_seconds();
-    return duration<double>(steady_clock::now().time_since_epoch()).count();
-  };
+  const auto now = [&] { return of_cores ? cpu_seconds() : wall_seconds(); };
   const double before = now();
   result = render(renderer, c.integrator, settings);
   return static_cast<double>(stage.pixels() * settings.limits.spp) / (now() - before);
@@ -261,6 +325,27 @@ bool tells_of_room(const std::string& name) {
   return std::find(std::begin(kNames), std::end(kNames), name) != std::end(kNames);
 }
 
+// Of each step's kernel, specialised for a scene with every feature, or for the least: diffuse
+// surfaces behind portals.
+std::array<std::vector<gpu::Statistic>, kStepNames.size()> step_statistics(
+    const gpu::Device& device, bool least) {
+  // In the order of path_bindings.glsl.
+  std::vector<uint32_t> constants;
+  if (least) {
+    constants.assign(19, 0);
+    constants[17] = 1;  // portals
+    constants.insert(constants.end(), {1, 0, 31, 0, 0, 0, 0});
+  }
+  const std::array<std::span<const uint32_t>, kStepNames.size()> programs{
+#define STEP(name, call) shader::path_step_##name##_spv,
+#include "shaders/shared/path/steps.def"
+  };
+  std::array<std::vector<gpu::Statistic>, kStepNames.size()> all;
+  for (size_t i = 0; i < all.size(); ++i)
+    all[i] = statistics_of(device, programs[i], sizeof(shader::StepParameters), constants);
+  return all;
+}
+
 void print_registers(const gpu::Device& device) {
   const auto most = step_statistics(device, false), least = step_statistics(device, true);
   std::string names = "| kernel |", rule = "|---|";
@@ -283,7 +368,7 @@ int run(const std::vector<std::string>& words) {
     return 0;
   }
   const Options o = options_of(words);
-  const gpu::Device device = gpu::Device::open(o.device, o.registers);
+  const gpu::Device device = gpu::Device::open(o.device);
   if (o.registers) {
     print_registers(device);
     return 0;

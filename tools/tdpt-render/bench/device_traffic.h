@@ -4,6 +4,17 @@
 
 namespace tdpt {
 
+/// How often one step ran, and the time it took.
+struct StepWork {
+  double seconds = 0;  ///< of the device; if it is a CPU, over all its cores
+  uint64_t runs = 0, invocations = 0;
+};
+struct DeviceWork {
+  std::array<StepWork, static_cast<size_t>(Step::kSteps)> steps;
+  StepWork gather;    ///< ranks and lists: pick() and place_ends()
+  double making = 0;  ///< seconds of compiling kernels
+};
+
 /// Bytes.
 struct Traffic {
   double read = 0, written = 0;

@@ -1,13 +1,11 @@
 #include "tools/tdpt-render/device/gpu_renderer.h"
 
-#include <chrono>
 #include <cstring>
 #include <map>
 
 #include <fmt/format.h>
 
 #include "libcommon/base/error.h"
-#include "libcommon/base/process.h"
 #include "libcommon/gpu/kernel.h"
 #include "libcommon/math/sequence.h"
 #include "shaders/path_scan.h"
@@ -24,22 +22,16 @@ constexpr uint64_t kMostSlots = uint64_t{1} << 24;
 constexpr uint64_t kSlotsOfSample = 16;  // more than most samples need
 constexpr uint64_t kWorkGroup = 64;      // invocations, one per slot
 
-// Bytes of PATH_TABLES and PATH_WORDS.
+// Bytes of PATH_TABLES.
 uint64_t path_bytes(const Capacity& room, bool layered) {
   using namespace shader;
   using shader::PortalSegment;
-  constexpr uint64_t words_of_film = 0;
 #define BYTES(binding, type, name, array, count) \
   +sizeof(type) * uint64_t {                     \
     count                                        \
   }
-#define BYTES_OF_WORDS(binding, array, count) \
-  +sizeof(uint) * uint64_t {                  \
-    count                                     \
-  }
-  return 0 PATH_TABLES(BYTES) PATH_WORDS(BYTES_OF_WORDS);
+  return 0 PATH_TABLES(BYTES);
 #undef BYTES
-#undef BYTES_OF_WORDS
 }
 
 // Bytes per slot, with its share of a sample.
@@ -99,9 +91,8 @@ constexpr std::array<std::span<const uint32_t>, kOfSteps> kPrograms{
 #define STEP(name, call) shader::path_step_##name##_spv,
 #include "shaders/shared/path/steps.def"
 };
-constexpr std::span<const uint32_t> program_of(Step step) {
-  return kPrograms[static_cast<size_t>(step)];
-}
+
+static_assert(sizeof(shader::AllSettings) <= 16384);  // of uniforms, on every device
 
 uint32_t groups_of(uint32_t count) {
   return (count + 63) / 64;
@@ -136,23 +127,10 @@ gpu::Tables uploaded_scene(const RenderTables& t, const Device& device) {
   return tables;
 }
 
-struct Words {
-#define BUFFER(binding, array, count) Buffer array;
-  PATH_WORDS(BUFFER)
-#undef BUFFER
-};
-Words words_for(const Capacity& room, uint32_t words_of_film, const Device& device) {
-#define BUFFER(binding, array, count) Buffer(device, sizeof(uint32_t) * uint64_t{count}),
-  return {PATH_WORDS(BUFFER)};
-#undef BUFFER
-}
-
 // Bindings are numbered in the order of the list, after the texels and the settings.
 #define BINDING(number, type, name, array, count) number,
-#define BINDING_OF_WORDS(number, array, count) number,
-constexpr uint32_t kBindings[] = {PATH_TABLES(BINDING) PATH_WORDS(BINDING_OF_WORDS)};
+constexpr uint32_t kBindings[] = {PATH_TABLES(BINDING) FILM_BINDING};
 #undef BINDING
-#undef BINDING_OF_WORDS
 static_assert([] {
   for (uint32_t i = 0; i < std::size(kBindings); ++i)
     if (kBindings[i] != 3 + i) return false;
@@ -161,33 +139,28 @@ static_assert([] {
 
 class GpuMachine : public Machine {
  public:
-  GpuMachine(const Device& device, const RenderTables& t, const Capacity& room, uint32_t film_words,
-             DeviceWork* work)
+  GpuMachine(const Device& device, const RenderTables& t, const Capacity& room, uint32_t film_words)
       : device_(device),
         room_(room),
-        work_(work),
         settings_host_{{}, t.portals.guiding, t.lights.settings, {}},
         features_(features_of(t)),
-        film_words_(film_words),
         scene_(uploaded_scene(t, device)),
         path_(room_for_paths(room, t.surfaces.features.layers, device)),
         settings_(device, sizeof(shader::AllSettings)),
-        words_(words_for(room, film_words, device)),
+        film_(device, sizeof(uint32_t) * uint64_t{film_words}),
         totals_(device, 4 * (uint64_t{shader::scan_blocks(room.flags() + 1)} + 1)),
         memory_(bind()),
-        flag_light_(kernel(program_of(Step::flag_light), {})),
-        flag_camera_(kernel(program_of(Step::flag_camera), {})),
-        gather_(kernel(program_of(Step::gather), {})),
-        scan_flags_(device, shader::path_scan_spv, {words_.flags, path_.part(path::ranks), totals_},
+        scan_flags_(device, shader::path_scan_spv,
+                    {path_.part(path::flags), path_.part(path::ranks), totals_},
                     sizeof(shader::ScanParameters)),
         scan_walks_(device, shader::path_scan_spv,
-                    {words_.walk_counts, path_.part(path::end_first), totals_},
+                    {path_.part(path::walk_counts), path_.part(path::end_first), totals_},
                     sizeof(shader::ScanParameters)) {
     std::vector<uint32_t> firsts = path_.first_texels();
     const std::vector<uint32_t> of_scene = scene_.first_texels();
     firsts.insert(firsts.end(), of_scene.begin(), of_scene.end());
     std::memcpy(&settings_host_.first_texels, firsts.data(), firsts.size() * sizeof(uint32_t));
-    device_.run([&](gpu::Commands& c) { c.clear(words_.film_words); });
+    device_.run([&](gpu::Commands& c) { c.clear(film_); });
   }
 
   Capacity room() const override { return room_; }
@@ -205,73 +178,33 @@ class GpuMachine : public Machine {
              p.transparent != 0};
   }
 
-  // Drivers may defer work to the first dispatch: an empty one triggers it.
-  void prepare(const std::vector<Step>& steps, ProgressBar& progress) override {
-    const auto start = std::chrono::steady_clock::now();
-    for (const Step step : steps) {
-      const Kernel& kernel = kernel_of(static_cast<size_t>(step));
-      device_.run(
-          [&](gpu::Commands& c) { c.dispatch(kernel, gpu::push(shader::StepParameters{}), 1); });
-      progress.advance();
-    }
-    const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
-    if (work_) work_->making += took.count();
-  }
-
   void run(Step step, const shader::StepParameters& p) override {
     if (p.count == 0) return;
-    const size_t i = static_cast<size_t>(step);
-    const Kernel& kernel = kernel_of(i);
-    const double seconds =
-        timed([&](gpu::Commands& c) { c.dispatch(kernel, gpu::push(p), groups_of(p.count)); });
-    if (work_) add(work_->steps[i], seconds, p.count);
+    const Kernel& kernel = kernel_of(step);
+    device_.run([&](gpu::Commands& c) { c.dispatch(kernel, gpu::push(p), groups_of(p.count)); });
   }
 
-  uint32_t gather(bool of_light, uint32_t first, uint32_t count) override {
-    const shader::StepParameters p{count, first, 0};
-    const double seconds = timed([&](gpu::Commands& c) {
-      c.dispatch(of_light ? flag_light_ : flag_camera_, gpu::push(p), groups_of(count));
-      scan(c, scan_flags_, count);
-      c.dispatch(gather_, gpu::push(p), groups_of(count));
-    });
-    if (work_) add(work_->gather, seconds, count);
-    return total(count);
-  }
-
-  uint32_t pick(uint32_t count) override {
+  uint32_t pick(uint32_t count, uint32_t first) override {
     if (count == 0) return 0;
-    const double seconds = timed([&](gpu::Commands& c) {
+    const Kernel& gather = kernel_of(Step::gather);
+    device_.run([&](gpu::Commands& c) {
       scan(c, scan_flags_, count);
-      c.dispatch(gather_, gpu::push(shader::StepParameters{count, 0, 0}), groups_of(count));
+      c.dispatch(gather, gpu::push(shader::StepParameters{count, first, 0}), groups_of(count));
     });
-    if (work_) add(work_->gather, seconds, count);
-    return total(count);
+    return totals_.download<uint32_t>(1, 4 * uint64_t{shader::scan_blocks(count)}).front();
   }
 
   void place_ends(uint32_t walks) override {
-    const double seconds = timed([&](gpu::Commands& c) { scan(c, scan_walks_, walks + 1); });
-    if (work_) add(work_->gather, seconds, walks);
+    device_.run([&](gpu::Commands& c) { scan(c, scan_walks_, walks + 1); });
   }
 
   std::vector<uint32_t> take_film() override {
-    std::vector<uint32_t> words = words_.film_words.download<uint32_t>(film_words_);
-    device_.run([&](gpu::Commands& c) { c.clear(words_.film_words); });
+    std::vector<uint32_t> words = film_.download<uint32_t>();
+    device_.run([&](gpu::Commands& c) { c.clear(film_); });
     return words;
   }
 
  private:
-  static void add(StepWork& to, double seconds, uint32_t invocations) {
-    to.seconds += seconds;
-    ++to.runs;
-    to.invocations += invocations;
-  }
-  double timed(const std::function<void(gpu::Commands&)>& record) {
-    const bool of_cores = device_.info().kind == "cpu";
-    const double before = of_cores ? cpu_seconds() : 0;
-    const double seconds = device_.run(record);
-    return of_cores ? cpu_seconds() - before : seconds;
-  }
-
   static std::vector<uint32_t> features_of(const RenderTables& t) {
     const SurfaceFeatures& f = t.surfaces.features;
     return {f.layers,
@@ -295,28 +228,24 @@ class GpuMachine : public Machine {
             !t.portals.pairs.empty()};
   }
 
-  // In the order of PATH_TABLES and PATH_WORDS.
+  // In the order of kBindings.
   std::vector<Memory> bind() const {
-    std::vector<Memory> all{path_.texels(), scene_.texels(), gpu::Uniforms(settings_)};
+    std::vector<Memory> all{path_.texels(), scene_.texels(), settings_.uniforms()};
 #define BIND(binding, type, name, array, count) all.emplace_back(path_.part(path::array));
-#define BIND_WORDS(binding, array, count) all.emplace_back(words_.array);
     PATH_TABLES(BIND)
-    PATH_WORDS(BIND_WORDS)
 #undef BIND
-#undef BIND_WORDS
+    all.emplace_back(film_);
     return all;
   }
 
-  Kernel kernel(std::span<const uint32_t> program, const std::vector<uint32_t>& constants) const {
-    return {device_, program, memory_, sizeof(shader::StepParameters), constants};
-  }
-  // Of a film and a mixture: the constants after features_of().
+  // The constants after features_of(): those of a film and a mixture.
   using Kind = std::array<uint32_t, 7>;
 
   // Compiled when first run. Kinds that differ only in constants the program does not read share a
   // kernel.
-  const Kernel& kernel_of(size_t step) {
-    const std::set<uint32_t> read = gpu::constants_of(kPrograms[step]);
+  const Kernel& kernel_of(Step step) {
+    const std::span<const uint32_t> program = kPrograms[static_cast<size_t>(step)];
+    const std::set<uint32_t> read = gpu::constants_of(program);
     Kind kind = kind_;
     for (uint32_t i = 0; i < kind.size(); ++i)
       if (!read.contains(static_cast<uint32_t>(features_.size()) + i)) kind[i] = 0;
@@ -325,7 +254,8 @@ class GpuMachine : public Machine {
     if (found != kernels_.end()) return found->second;
     std::vector<uint32_t> constants = features_;
     constants.insert(constants.end(), kind.begin(), kind.end());
-    return kernels_.emplace(key, kernel(kPrograms[step], constants)).first->second;
+    const Kernel kernel(device_, program, memory_, sizeof(shader::StepParameters), constants);
+    return kernels_.emplace(key, kernel).first->second;
   }
 
   void scan(gpu::Commands& c, const Kernel& kernel, uint32_t count) const {
@@ -337,43 +267,21 @@ class GpuMachine : public Machine {
     phase(shader::SCAN_OF_TOTALS, 1);
     phase(shader::SCAN_SPREAD, blocks);
   }
-  uint32_t total(uint32_t count) const {
-    return totals_.download<uint32_t>(1, 4 * uint64_t{shader::scan_blocks(count)}).front();
-  }
 
   Device device_;
   const Capacity room_;
-  DeviceWork* const work_;  // may be null
   shader::AllSettings settings_host_;
   const std::vector<uint32_t> features_;
   // Guided walks, culling camera, techniques, power heuristic, layers, halves, transparent.
   Kind kind_{};
-  const uint32_t film_words_;
   gpu::Tables scene_, path_;
-  Buffer settings_;
-  Words words_;
-  Buffer totals_;
+  Buffer settings_, film_, totals_;
   const std::vector<Memory> memory_;
-  const Kernel flag_light_, flag_camera_, gather_, scan_flags_, scan_walks_;
-  std::map<std::pair<size_t, Kind>, Kernel> kernels_;
+  const Kernel scan_flags_, scan_walks_;
+  std::map<std::pair<Step, Kind>, Kernel> kernels_;
 };
 
 }  // namespace
-
-std::array<std::vector<gpu::Statistic>, kOfSteps> step_statistics(const gpu::Device& device,
-                                                                  bool least) {
-  // In the order of features_of() and kind_.
-  std::vector<uint32_t> constants;
-  if (least) {
-    constants.assign(19, 0);
-    constants[17] = 1;  // portals
-    constants.insert(constants.end(), {1, 0, 31, 0, 0, 0, 0});
-  }
-  std::array<std::vector<gpu::Statistic>, kOfSteps> all;
-  for (size_t i = 0; i < kOfSteps; ++i)
-    all[i] = statistics_of(device, kPrograms[i], sizeof(shader::StepParameters), constants);
-  return all;
-}
 
 static uint64_t scene_bytes(const RenderTables& tables) {
   const shader::SceneSpans scene(tables);
@@ -394,9 +302,8 @@ Capacity capacity_on(const gpu::Device& device, const RenderTables& tables, uint
 }
 
 std::unique_ptr<Machine> make_gpu_machine(const gpu::Device& device, const RenderTables& tables,
-                                          const Capacity& room, uint32_t film_words,
-                                          DeviceWork* work) {
-  return std::make_unique<GpuMachine>(device, tables, room, film_words, work);
+                                          const Capacity& room, uint32_t film_words) {
+  return std::make_unique<GpuMachine>(device, tables, room, film_words);
 }
 
 GpuUpload::GpuUpload(const gpu::Device& device, const Vista& vista, const FilmPlanes& planes)

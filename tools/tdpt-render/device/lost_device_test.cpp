@@ -23,10 +23,7 @@ class LostMachine : public Machine {
     if (left_-- == 0) throw Error(Exit::no_device, "cannot run on a device: ErrorDeviceLost");
     sound_->run(step, p);
   }
-  uint32_t gather(bool of_light, uint32_t first, uint32_t count) override {
-    return sound_->gather(of_light, first, count);
-  }
-  uint32_t pick(uint32_t count) override { return sound_->pick(count); }
+  uint32_t pick(uint32_t count, uint32_t first) override { return sound_->pick(count, first); }
   void place_ends(uint32_t walks) override { sound_->place_ends(walks); }
   std::vector<uint32_t> take_film() override { return sound_->take_film(); }
 

@@ -15,33 +15,29 @@ using shader::RenderParameters;
 using shader::StepParameters;
 
 FilmPlaces::FilmPlaces(uint64_t pixels, const FilmPlanes& planes, size_t portals_) {
-  const uint64_t odd_first = 12 * pixels * (planes.layers ? 1 + kTechniques : 1);
-  const uint64_t met_first = odd_first + (planes.halves ? 12 * pixels : 0);
-  const uint64_t tally_first = met_first + pixels;
-  const uint64_t portals_first =
-      tally_first + shader::kTallyBuckets * shader::kTallyWords + shader::kLeftOutWords;
-  const uint64_t all = portals_first + shader::kPortalWords * portals_;
-  if (all > UINT32_MAX)
+  uint64_t end = 12 * pixels * (planes.layers ? 1 + kTechniques : 1);
+  const auto place = [&](uint64_t count) {
+    const uint64_t first = end;
+    end += count;
+    return static_cast<uint32_t>(first);
+  };
+  odd = place(planes.halves ? 12 * pixels : 0);
+  met = place(pixels);
+  tally = place(shader::kTallyBuckets * shader::kTallyWords + shader::kLeftOutWords);
+  portals = place(shader::kPortalWords * portals_);
+  words = place(0);
+  if (end > UINT32_MAX)
     throw Error(Exit::no_device,
-                fmt::format("the film takes {} words, kernels count {}", all, UINT32_MAX));
-  odd = static_cast<uint32_t>(odd_first);
-  met = static_cast<uint32_t>(met_first);
-  tally = static_cast<uint32_t>(tally_first);
-  portals = static_cast<uint32_t>(portals_first);
-  words = static_cast<uint32_t>(all);
+                fmt::format("the film takes {} words, kernels count {}", end, UINT32_MAX));
 }
 
 namespace {
 
-Vec3f narrow(const Vec3d& v) {
-  return Vec3f(v);
-}
-
 void set_camera(const FilmPlane& film, RenderParameters& p) {
-  p.camera_position = narrow(film.position());
-  p.camera_right = narrow(film.right());
-  p.camera_up = narrow(film.up());
-  p.camera_forward = narrow(film.forward());
+  p.camera_position = Vec3f(film.position());
+  p.camera_right = Vec3f(film.right());
+  p.camera_up = Vec3f(film.up());
+  p.camera_forward = Vec3f(film.forward());
   p.half_width = static_cast<float>(film.half_width());
   p.half_height = static_cast<float>(film.half_height());
   p.film_area = 4 * p.half_width * p.half_height;
@@ -75,10 +71,15 @@ void set_caches(const Mixture& m, RenderParameters& p) {
   p.walks_less = static_cast<uint32_t>(light_walks_of(m, most - 1));
 }
 
-// Offset of the pixel that pixel_of_cache() gives sample i within its stretch.
-uint32_t cache_offset(uint64_t i, uint64_t caches) {
-  const uint64_t stretch = i * caches;
-  return static_cast<uint32_t>(pixel_of_cache(0, i, caches, stretch + caches) - stretch);
+// Offset of the pixel that pixel_of_cache() gives each sample within its stretch.
+std::vector<uint32_t> cache_offsets(const RenderParameters& p) {
+  std::vector<uint32_t> offsets;
+  for (uint64_t i = 0; i < p.per_cache; ++i) {
+    const uint64_t stretch = i * p.caches;
+    offsets.push_back(
+        static_cast<uint32_t>(pixel_of_cache(0, i, p.caches, stretch + p.caches) - stretch));
+  }
+  return offsets;
 }
 
 Units units_at(const std::vector<uint32_t>& words, size_t first) {
@@ -87,26 +88,27 @@ Units units_at(const std::vector<uint32_t>& words, size_t first) {
   return units;
 }
 
-void add_to_film(const std::vector<uint32_t>& words, const FilmPlaces& places, Film& film) {
-  const auto pixels = static_cast<size_t>(film.width()) * static_cast<size_t>(film.height());
+void add_to_film(const std::vector<uint32_t>& words, const RenderParameters& p, Film& film) {
+  const size_t pixels = size_t{p.width} * p.height;
   film.add_sums(
       [&](size_t plane, size_t i) {
         return units_at(words,
-                        (plane == Film::kOddPlane ? places.odd : 12 * pixels * plane) + 4 * i);
+                        (plane == Film::kOddPlane ? p.odd_first : 12 * pixels * plane) + 4 * i);
       },
-      [&](size_t pixel) { return words[places.met + pixel]; });
+      [&](size_t pixel) { return words[p.met_first + pixel]; });
 }
 
 // Reports the non-finite values left out; the film's first sample is `first`.
-void add_left_out(const std::vector<uint32_t>& words, const FilmPlaces& places, uint64_t first,
-                  uint64_t width, uint64_t pixels, Tally& tally) {
-  const size_t begin = places.tally + shader::kTallyBuckets * shader::kTallyWords;
+void add_left_out(const std::vector<uint32_t>& words, const RenderParameters& p, uint64_t first,
+                  Tally& tally) {
+  const size_t begin = p.tally_first + shader::kTallyBuckets * shader::kTallyWords;
+  const uint64_t pixels = uint64_t{p.width} * p.height;
   Tally left_out;
   left_out.not_finite = words[begin];
   for (size_t i = 1; i <= shader::kLeftOutPlaces && words[begin + i] != 0; ++i) {
     const uint64_t place = UINT32_MAX - words[begin + i], pixel = place % pixels;
-    left_out.not_finite_at.push_back(
-        {first + place / pixels, static_cast<int>(pixel / width), static_cast<int>(pixel % width)});
+    left_out.not_finite_at.push_back({first + place / pixels, static_cast<int>(pixel / p.width),
+                                      static_cast<int>(pixel % p.width)});
   }
   tally.merge(left_out);
 }
@@ -114,10 +116,10 @@ void add_left_out(const std::vector<uint32_t>& words, const FilmPlaces& places, 
 static_assert(shader::kTallyWords == shader::TALLY_ENERGIES + 4 * shader::kTallySums &&
               kTechniques + Tally::kOctaves <= shader::kTallySums);
 
-void add_to_tally(const std::vector<uint32_t>& words, const FilmPlaces& places, size_t portals,
+void add_to_tally(const std::vector<uint32_t>& words, const RenderParameters& p, size_t portals,
                   bool drawn, Tally& tally) {
   for (size_t bucket = 0; bucket < shader::kTallyBuckets; ++bucket) {
-    const size_t first = places.tally + bucket * shader::kTallyWords;
+    const size_t first = p.tally_first + bucket * shader::kTallyWords;
     tally.rays.merge({words[first], words[first + 1], words[first + 2], words[first + 3]});
     const auto sum = [&](size_t i) {
       return units_at(words, first + shader::TALLY_ENERGIES + 4 * i);
@@ -128,17 +130,11 @@ void add_to_tally(const std::vector<uint32_t>& words, const FilmPlaces& places, 
   if (!drawn) return;
   tally.begin_portals(portals);
   for (size_t i = 0; i < portals; ++i) {
-    const size_t first = places.portals + i * shader::kPortalWords;
+    const size_t first = p.portals_first + i * shader::kPortalWords;
     tally.portals[i].drawn += words[first];
     tally.portals[i].lit += words[first + 1];
     tally.portals[i].energy.merge(units_at(words, first + 2));
   }
-}
-
-std::vector<uint32_t> cache_offsets(const RenderParameters& p) {
-  std::vector<uint32_t> offsets;
-  for (uint32_t i = 0; i < p.per_cache; ++i) offsets.push_back(cache_offset(i, p.caches));
-  return offsets;
 }
 
 // Samples of the first submission. Later ones grow while a submission takes less than kShort
@@ -151,14 +147,6 @@ constexpr double kPass = 0.5;
 // Samples whose rays and segments 32-bit counters can hold, in every bucket.
 constexpr uint64_t kMostCounted = uint64_t{1} << 26;
 
-Error no_room(const RenderParameters& p) {
-  return Error(
-      Exit::no_device,
-      fmt::format("the device has room for {} vertices of paths, and {} samples that share "
-                  "light walks take more: --max-depth makes paths shorter",
-                  p.most_vertices, p.per_cache));
-}
-
 }  // namespace
 
 WavefrontRenderer::WavefrontRenderer(const Vista& vista_, std::unique_ptr<Machine> machine,
@@ -168,12 +156,6 @@ WavefrontRenderer::WavefrontRenderer(const Vista& vista_, std::unique_ptr<Machin
       name_(std::move(name)),
       samples_(std::min(machine_->room().samples, kFirstSubmission)),
       most_samples_(machine_->room().samples) {}
-
-FilmPlaces WavefrontRenderer::places_of(const RenderParameters& p) const {
-  return {uint64_t{p.width} * p.height,
-          {p.layers != 0, p.halves != 0},
-          vista.openings.portals.portals()};
-}
 
 RenderParameters WavefrontRenderer::parameters_of(const Integrator& integrator,
                                                   const SampleRules& rules, uint64_t round,
@@ -190,7 +172,8 @@ RenderParameters WavefrontRenderer::parameters_of(const Integrator& integrator,
   p.transparent = film.has_alpha();
   for (size_t i = 0; i < kTechniques; ++i) p.layers |= film.has_layer(i);
   p.halves = film.options().halves;
-  const FilmPlaces places = places_of(p);
+  const FilmPlaces places(uint64_t{p.width} * p.height, {p.layers != 0, p.halves != 0},
+                          vista.openings.portals.portals());
   p.odd_first = places.odd;
   p.met_first = places.met;
   p.tally_first = places.tally;
@@ -205,7 +188,6 @@ void WavefrontRenderer::render(const Integrator& integrator, const SampleRules& 
                                ProgressBar& progress) {
   const RenderParameters p = parameters_of(integrator, rules, round, film);
   const uint64_t pixels = uint64_t{p.width} * p.height;
-  const FilmPlaces places = places_of(p);
   const bool drawn = integrator.mixture.has(Technique::portal) && !vista.openings.portals.empty();
   const auto start = std::chrono::steady_clock::now();
   const uint64_t most = std::max<uint64_t>(kMostCounted / pixels, 1);
@@ -213,9 +195,9 @@ void WavefrontRenderer::render(const Integrator& integrator, const SampleRules& 
     const SampleRange some{at, std::min(most, samples.end() - at)};
     submit_all(p, some, progress);
     const std::vector<uint32_t> words = machine_->take_film();
-    add_to_film(words, places, film);
-    add_to_tally(words, places, vista.openings.portals.portals(), drawn, tally);
-    add_left_out(words, places, some.first, p.width, pixels, tally);
+    add_to_film(words, p, film);
+    add_to_tally(words, p, vista.openings.portals.portals(), drawn, tally);
+    add_left_out(words, p, some.first, tally);
     film.complete(some);
   }
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
@@ -235,7 +217,11 @@ void WavefrontRenderer::submit_all(RenderParameters p, const SampleRange& sample
     p.groups = static_cast<uint32_t>(std::min(left, most));
     const auto start = std::chrono::steady_clock::now();
     if (!submit(p, offsets)) {
-      if (p.groups == 1) throw no_room(p);
+      if (p.groups == 1)
+        throw Error(Exit::no_device,
+                    fmt::format("the device has room for {} vertices of paths, and {} samples that "
+                                "share light walks take more: --max-depth makes paths shorter",
+                                p.most_vertices, p.per_cache));
       samples_ = most_samples_ = p.groups / 2 * p.per_cache;
       continue;
     }
@@ -293,7 +279,8 @@ class Submission {
       run(Step::trace, count);
       run(arrive, count, 0, first);
       used_ += count;
-      count = machine_.gather(of_light, first, count);
+      run(of_light ? Step::flag_light : Step::flag_camera, count, first);
+      count = machine_.pick(count, first);
       if (count == 0) return true;
       run(of_light ? Step::go_on_light : Step::go_on_camera, count);
     }
@@ -365,43 +352,17 @@ class Submission {
   uint32_t used_ = 0, lights_end_ = 0, camera_ = 0, camera_end_ = 0;  // slots
 };
 
-// Records the steps of a submission in which some walks continue and all end.
-class StepList : public Machine {
- public:
-  explicit StepList(const Capacity& room) : room_(room) {}
-  const std::vector<Step>& steps() const { return steps_; }
-
-  Capacity room() const override { return room_; }
-  void set(const RenderParameters&, const std::vector<uint32_t>&) override {}
-  void run(Step step, const StepParameters&) override {
-    if (std::find(steps_.begin(), steps_.end(), step) == steps_.end()) steps_.push_back(step);
-  }
-  uint32_t gather(bool, uint32_t, uint32_t) override {
-    goes_on_ = !goes_on_;
-    return goes_on_ ? 1 : 0;
-  }
-  uint32_t pick(uint32_t) override { return 1; }
-  void place_ends(uint32_t) override {}
-  std::vector<uint32_t> take_film() override { return {}; }
-
- private:
-  const Capacity room_;
-  std::vector<Step> steps_;
-  bool goes_on_ = false;
-};
-
 }  // namespace
 
+// Drivers compile a kernel when it first runs: one cache runs those that the integrator needs.
 void WavefrontRenderer::prepare(const Integrator& integrator, const SampleRules& rules,
                                 const Film& film, bool quiet) {
+  ProgressBar progress("making kernels", "submission", 1, quiet);
   RenderParameters p = parameters_of(integrator, rules, 0, film);
   p.groups = 1;
-  p.segments_first = p.most_vertices - 2 * p.per_cache;
-  machine_->set(p, cache_offsets(p));
-  StepList list(machine_->room());
-  Submission(list, p, crosses(p)).run();
-  ProgressBar progress("making kernels", "kernels", list.steps().size(), quiet);
-  machine_->prepare(list.steps(), progress);
+  submit(p, cache_offsets(p));
+  machine_->take_film();
+  progress.advance();
 }
 
 bool WavefrontRenderer::crosses(const RenderParameters& p) const {

@@ -44,17 +44,11 @@ class Machine {
   /// within its stretch.
   virtual void set(const shader::RenderParameters& parameters,
                    const std::vector<uint32_t>& cache_offsets) = 0;
-  /// Prepares these steps for the parameters that were set, which would otherwise delay the first
-  /// run of each. Reports each.
-  virtual void prepare(const std::vector<Step>&, ProgressBar&) {}
   /// Steps run one after the other.
   virtual void run(Step step, const shader::StepParameters& parameters) = 0;
-  /// Compacts the `count` slots from `first` on to those whose walk continues, in order, for the
-  /// next step. Returns their number.
-  virtual uint32_t gather(bool of_light, uint32_t first, uint32_t count) = 0;
-  /// Compacts 0 .. count-1 to those that a step flagged, in order, and ranks each by how many come
-  /// before it. Returns their number.
-  virtual uint32_t pick(uint32_t count) = 0;
+  /// Compacts the `count` items that a step flagged, in order, to their slots from `first` on, and
+  /// ranks each by how many come before it. Returns their number.
+  virtual uint32_t pick(uint32_t count, uint32_t first = 0) = 0;
   /// Allocates places for the light vertices that connections can use, walk by walk.
   virtual void place_ends(uint32_t walks) = 0;
   /// Returns all words of the film and its counters, and clears them.
@@ -95,7 +89,6 @@ class WavefrontRenderer : public SampleRenderer {
   /// Everything except the range of samples.
   shader::RenderParameters parameters_of(const Integrator& integrator, const SampleRules& rules,
                                          uint64_t round, const Film& film) const;
-  FilmPlaces places_of(const shader::RenderParameters& parameters) const;
   bool crosses(const shader::RenderParameters& parameters) const;
   /// Until the machine's film holds all of them.
   void submit_all(shader::RenderParameters parameters, const SampleRange& samples,

@@ -86,10 +86,7 @@ class Borrowed : public Machine {
   void run(Step step, const shader::StepParameters& p) override {
     if (step != faults_.skipped) machine_.run(step, p);
   }
-  uint32_t gather(bool of_light, uint32_t first, uint32_t count) override {
-    return machine_.gather(of_light, first, count);
-  }
-  uint32_t pick(uint32_t count) override { return machine_.pick(count); }
+  uint32_t pick(uint32_t count, uint32_t first) override { return machine_.pick(count, first); }
   void place_ends(uint32_t walks) override { machine_.place_ends(walks); }
   std::vector<uint32_t> take_film() override { return machine_.take_film(); }
 

@@ -15,12 +15,10 @@ struct ScalarKernels {
 #define OF_PATH(binding, type, name, array, count) \
   type* array;                                     \
   LOADS(type, name, array)
-#define WORDS_OF_PATH(binding, array, count) uint* array;
   SCENE_TABLES(REFERS_TO)
   PATH_TABLES(OF_PATH)
-  PATH_WORDS(WORDS_OF_PATH)
 #undef OF_PATH
-#undef WORDS_OF_PATH
+  uint* film_words;
   const LightSettings* settings_of_lights;
   GuideParameters guiding;
   // Features of the scene.
@@ -67,11 +65,9 @@ struct Memory {
   static constexpr bool layered = true;
 #define VECTOR(binding, type, name, array, count) \
   std::vector<type> array = std::vector<type>(count);
-#define VECTOR_OF_WORDS(binding, array, count) std::vector<uint> array = std::vector<uint>(count);
   PATH_TABLES(VECTOR)
-  PATH_WORDS(VECTOR_OF_WORDS)
+  std::vector<uint> film_words = std::vector<uint>(words_of_film);
 #undef VECTOR
-#undef VECTOR_OF_WORDS
 };
 
 ScalarKernels kernels_of(const RenderTables& t) {
@@ -115,11 +111,9 @@ class ScalarMachine : public Machine {
   ScalarMachine(const RenderTables& tables, const Capacity& room, uint32_t film_words)
       : room_(room), kernels_(shader::kernels_of(tables)), memory_{room, film_words} {
 #define REFER(binding, type, name, array, count) kernels_.array = memory_.array.data();
-#define REFER_WORDS(binding, array, count) kernels_.array = memory_.array.data();
     PATH_TABLES(REFER)
-    PATH_WORDS(REFER_WORDS)
+    kernels_.film_words = memory_.film_words.data();
 #undef REFER
-#undef REFER_WORDS
   }
 
   Capacity room() const override {
@@ -150,19 +144,11 @@ class ScalarMachine : public Machine {
         });
   }
 
-  uint32_t gather(bool of_light, uint32_t first, uint32_t count) override {
-    const uint32_t from = of_light ? shader::FROM_LIGHT : shader::FROM_CAMERA;
-    for (uint32_t i = 0; i < count; ++i) kernels_.flags[i] = kernels_.goes_on(from, first + i);
-    const uint32_t n = pick(count);
-    for (uint32_t i = 0; i < n; ++i) kernels_.alive[i] += first;
-    return n;
-  }
-
-  uint32_t pick(uint32_t count) override {
+  uint32_t pick(uint32_t count, uint32_t first) override {
     uint32_t n = 0;
     for (uint32_t i = 0; i < count; ++i) {
       kernels_.ranks[i] = n;
-      if (kernels_.flags[i] != 0) kernels_.alive[n++] = i;
+      if (kernels_.flags[i] != 0) kernels_.alive[n++] = first + i;
     }
     return n;
   }

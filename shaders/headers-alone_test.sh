@@ -1,7 +1,7 @@
 #!/bin/sh
-# headers-alone.sh ROOT CXX: each header of shaders/shared that has an include guard must include what it needs: it must
+# headers-alone_test.sh ROOT CXX: each header of shaders/shared that has an include guard must include what it needs: it must
 # compile alone, and included twice, as C++ and as GLSL. The others are included in a scope that their first lines describe.
-root=${1:?usage: headers-alone.sh ROOT CXX}
+root=${1:?usage: headers-alone_test.sh ROOT CXX}
 cxx=${2:?}
 work=$(mktemp -d) || exit 2
 trap 'rm -rf "$work"' EXIT
