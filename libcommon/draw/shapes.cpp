@@ -38,7 +38,7 @@ void add_shape(Glb<Json>& glb, const Shape& shape) {
     opaque = opaque && p.alpha >= 1;
   }
   const size_t position = glb.add_positions(positions),
-               colour = glb.add(colours, colours.size(), "VEC4", glb.byte, glb.vertices);
+               colour = glb.add_accessor(colours, colours.size(), "VEC4", glb.byte, glb.vertices);
   glb.root["accessors"][colour]["normalized"] = true;
 
   Json material = {{"name", shape.name},

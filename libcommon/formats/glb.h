@@ -5,6 +5,7 @@
 #include <limits>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "libcommon/base/error.h"
@@ -21,29 +22,34 @@ class Glb {
 
   Json root{};
 
+  /// Appends an element to a list of the root; returns its index.
+  size_t add(const char* section, Json element) {
+    root[section].push_back(std::move(element));
+    return root[section].size() - 1;
+  }
+
   /// Appends bytes; returns the index of their bufferView.
   size_t add_bytes(std::string_view bytes, Target target = none) {
     Json view = {{"buffer", 0}, {"byteOffset", bin_.size()}, {"byteLength", bytes.size()}};
     if (target != none) view["target"] = target;
-    root["bufferViews"].push_back(std::move(view));
     bin_ += bytes;
     bin_.resize((bin_.size() + 3) / 4 * 4);
-    return root["bufferViews"].size() - 1;
+    return add("bufferViews", std::move(view));
   }
 
-  /// Appends `count` elements, each of the glTF type `shape`; returns the index of their accessor.
+  /// Appends `count` elements, each of the glTF type `type`; returns the index of their accessor.
   template <class T>
-  size_t add(const std::vector<T>& values, size_t count, const char* shape, Component component,
-             Target target) {
+  size_t add_accessor(const std::vector<T>& values, size_t count, const char* type,
+                      Component component, Target target) {
     const size_t view = add_bytes(
         {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T)}, target);
-    root["accessors"].push_back(
-        {{"bufferView", view}, {"componentType", component}, {"count", count}, {"type", shape}});
-    return root["accessors"].size() - 1;
+    return add(
+        "accessors",
+        {{"bufferView", view}, {"componentType", component}, {"count", count}, {"type", type}});
   }
   size_t add_vectors(const std::vector<Vec3f>& values) {
     static_assert(sizeof(Vec3f) == 3 * sizeof(float));
-    return add(values, values.size(), "VEC3", float32, vertices);
+    return add_accessor(values, values.size(), "VEC3", float32, vertices);
   }
   /// With their bounds, which glTF demands of positions.
   size_t add_positions(const std::vector<Vec3f>& values) {

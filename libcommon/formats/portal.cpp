@@ -187,19 +187,18 @@ void add_portal(Glb<Json>& glb, size_t n, const Portal& portal) {
   std::vector<Vec3f> positions;
   for (const Vec3d& v : portal.vertices) positions.emplace_back(v - origin);
   const size_t position = glb.add_positions(positions),
-               indices = glb.add(portal.triangles, 3 * portal.triangles.size(), "SCALAR",
-                                 glb.uint32, glb.indices);
+               indices = glb.add_accessor(portal.triangles, 3 * portal.triangles.size(), "SCALAR",
+                                          glb.uint32, glb.indices);
   const std::string name = fmt::format("portal.{}", n);
   const Json primitive = {{"attributes", {{"POSITION", position}}},
                           {"indices", indices},
                           {"material", portal.both_ways ? 1 : 0}};
-  glb.root["meshes"].push_back({{"name", name}, {"primitives", Json::array({primitive})}});
+  glb.add("meshes", {{"name", name}, {"primitives", Json::array({primitive})}});
   Json node = {{"name", name}, {"mesh", n}, {"translation", {origin.x, origin.y, origin.z}}};
   for (const auto& [key, value] : portal.figures)
     if (std::isfinite(value)) node["extras"][key] = value;
   if (!portal.cameras.empty()) node["extras"]["cameras"] = portal.cameras;
-  glb.root["nodes"].push_back(node);
-  glb.root["scenes"][0]["nodes"].push_back(n);
+  glb.root["scenes"][0]["nodes"].push_back(glb.add("nodes", node));
 }
 
 }  // namespace

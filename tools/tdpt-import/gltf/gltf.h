@@ -5,10 +5,10 @@
 #include <nlohmann/json.hpp>
 #include <set>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "libcommon/base/provenance.h"
+#include "libcommon/formats/glb.h"
 #include "tools/tdpt-import/described.h"
 #include "tools/tdpt-import/images.h"
 
@@ -43,15 +43,13 @@ GltfOutput write_gltf(const Described& scene, const GltfOptions& writing, Source
 
 using GltfJson = nlohmann::ordered_json;
 
-/// A .glb that is being written: its JSON, the binary part that the JSON describes, and what was
-/// written of the scene so far.
+/// The .glb that is being written, and what was written of the scene so far.
 struct GltfFile {
   const Described& scene;
   const GltfOptions& how;
   Source& source;
   GltfOutput out{};
-  GltfJson root{};
-  std::string bin{};
+  Glb<GltfJson> glb{};
   std::set<std::string> extensions{};
   std::map<std::string, std::map<std::string, size_t>> known{};  ///< by section and JSON
   std::map<std::string, size_t> images{};                        ///< by the hash of their bytes
@@ -61,12 +59,8 @@ struct GltfFile {
   std::map<size_t, std::pair<size_t, bool>> dark_surfaces{};  ///< by material: material_index()
   bool is_textured = false;  ///< the material that is being written
 
-  /// Adds an element to a list of the root; its index.
-  size_t add(const char* section, GltfJson value);
-  /// The same, unless there is an equal one.
+  /// Adds an element to a list of the root, unless there is an equal one; its index.
   size_t index_of(const char* section, const GltfJson& value);
-  /// Adds bytes to the binary part; the index of their bufferView.
-  size_t add(std::string_view bytes, int target = 0);
   /// An extension of an object.
   GltfJson& extension(GltfJson& object, const char* name);
   void lose(const std::string& sentence) { source.lose({source.path(), ""}, sentence); }

@@ -128,10 +128,10 @@ GltfJson texture_transform(GltfFile& f, const Texture& texture) {
 GltfJson texture_info(GltfFile& f, const Texture& texture, const std::string& bytes) {
   const auto [image, is_new] = f.images.try_emplace(content_hash(bytes), f.images.size());
   if (is_new) {
-    f.add("images", {{"name", shown(f.scene.images[texture.image].name, 200)},
-                     {"mimeType", is_jpeg(bytes) ? "image/jpeg" : "image/png"}});
-    const size_t view = f.add(bytes);
-    f.root["images"].back()["bufferView"] = view;
+    f.glb.add("images", {{"name", shown(f.scene.images[texture.image].name, 200)},
+                         {"mimeType", is_jpeg(bytes) ? "image/jpeg" : "image/png"}});
+    const size_t view = f.glb.add_bytes(bytes);
+    f.glb.root["images"].back()["bufferView"] = view;
   }
   GltfJson t = {{"source", image->second}};
   GltfJson sampler = GltfJson::object();

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include <fmt/format.h>
 
@@ -22,59 +21,22 @@ std::string text_of(const GltfJson& json) {
   return json.dump(-1, ' ', false, GltfJson::error_handler_t::replace);
 }
 
-constexpr int kFloat = 5126, kShort = 5123, kInt = 5125, kVertices = 34962, kIndices = 34963;
-
-// Adds an accessor of `count` elements; its index.
-template <class T>
-size_t add_accessor(GltfFile& f, const std::vector<T>& values, int component, size_t count,
-                    const char* type) {
-  const std::string_view bytes(reinterpret_cast<const char*>(values.data()),
-                               values.size() * sizeof(T));
-  const size_t view = f.add(bytes, component == kFloat ? kVertices : kIndices);
-  return f.add(
-      "accessors",
-      {{"bufferView", view}, {"componentType", component}, {"count", count}, {"type", type}});
-}
-
-size_t add_positions(GltfFile& f, const std::vector<Vec3f>& values) {
-  static_assert(sizeof(Vec3f) == 3 * sizeof(float));
-  Vec3f low(std::numeric_limits<float>::infinity()), high = -low;
-  for (const Vec3f& p : values) low = min(low, p), high = max(high, p);
-  const size_t at = add_accessor(f, values, kFloat, values.size(), "VEC3");
-  f.root["accessors"][at]["min"] = {low.x, low.y, low.z};
-  f.root["accessors"][at]["max"] = {high.x, high.y, high.z};
-  return at;
-}
-
 template <class Index>
-size_t add_indices(GltfFile& f, const Mesh& mesh, bool turned, int component) {
+size_t add_indices(GltfFile& f, const Mesh& mesh, bool turned, Glb<GltfJson>::Component component) {
   std::vector<Index> corners;
   for (auto [a, b, c] : mesh.triangles) {
     if (turned) std::swap(b, c);
     for (const uint32_t i : {a, b, c}) corners.push_back(static_cast<Index>(i));
   }
-  return add_accessor(f, corners, component, corners.size(), "SCALAR");
+  return f.glb.add_accessor(corners, corners.size(), "SCALAR", component, f.glb.indices);
 }
 
 }  // namespace
 
-size_t GltfFile::add(const char* section, GltfJson value) {
-  root[section].push_back(std::move(value));
-  return root[section].size() - 1;
-}
-
-size_t GltfFile::add(std::string_view bytes, int target) {
-  GltfJson view = {{"buffer", 0}, {"byteOffset", bin.size()}, {"byteLength", bytes.size()}};
-  if (target) view["target"] = target;
-  bin += bytes;
-  bin.resize((bin.size() + 3) / 4 * 4);
-  return add("bufferViews", std::move(view));
-}
-
 size_t GltfFile::index_of(const char* section, const GltfJson& value) {
   std::map<std::string, size_t>& all = known[section];
   const auto [it, is_new] = all.try_emplace(text_of(value), all.size());
-  if (is_new) add(section, value);
+  if (is_new) glb.add(section, value);
   return it->second;
 }
 
@@ -167,18 +129,18 @@ Mesh baked(const Mesh& mesh, const Affine& m) {
 // ---- The sections ----
 
 void add_node(GltfFile& f, GltfJson node) {
-  const size_t index = f.add("nodes", std::move(node));
-  f.root["scenes"][0]["nodes"].push_back(index);
+  const size_t index = f.glb.add("nodes", std::move(node));
+  f.glb.root["scenes"][0]["nodes"].push_back(index);
 }
 
 void add_camera(GltfFile& f, const Camera& camera) {
   const Affine m = f.out.frame.to_gltf * camera.to_world;
   const double aspect = static_cast<double>(camera.width) / std::max(camera.height, 1);
-  const size_t index =
-      f.add("cameras",
-            {{"name", shown(camera.name, 200)},
-             {"type", "perspective"},
-             {"perspective", {{"yfov", camera.yfov}, {"aspectRatio", aspect}, {"znear", 0.01}}}});
+  const size_t index = f.glb.add(
+      "cameras",
+      {{"name", shown(camera.name, 200)},
+       {"type", "perspective"},
+       {"perspective", {{"yfov", camera.yfov}, {"aspectRatio", aspect}, {"znear", 0.01}}}});
   if (camera.lens_radius > 0) {
     // As tdpt has it: a film 36 mm along its longer side.
     const double focal = 0.018 / (std::tan(camera.yfov / 2) * std::max(1.0, aspect));
@@ -208,7 +170,7 @@ void add_lamp(GltfFile& f, const Lamp& lamp) {
     light["spot"] = {
         {"innerConeAngle", std::clamp(lamp.inner, 0.0, std::min(lamp.outer, 1.57) - 1e-4)},
         {"outerConeAngle", std::clamp(lamp.outer, 1e-3, 1.57)}};
-  GltfJson& lights = f.extension(f.root, "KHR_lights_punctual")["lights"];
+  GltfJson& lights = f.extension(f.glb.root, "KHR_lights_punctual")["lights"];
   lights.push_back(std::move(light));
   GltfJson node = {{"name", shown(lamp.name, 200)},
                    {"extensions", {{"KHR_lights_punctual", {{"light", lights.size() - 1}}}}}};
@@ -236,7 +198,7 @@ size_t mesh_of(GltfFile& f, const Shape& shape, const Mesh& mesh, size_t number)
   GltfJson primitive;
   GltfJson& attributes = primitive["attributes"];
   attributes["POSITION"] =
-      accessor(kPosition, false, [&] { return add_positions(f, mesh.positions); });
+      accessor(kPosition, false, [&] { return f.glb.add_positions(mesh.positions); });
   if (mesh.normals.size() == mesh.positions.size())
     attributes["NORMAL"] = accessor(kNormal, shape.turned, [&] {
       Mesh checked = mesh;
@@ -244,20 +206,22 @@ size_t mesh_of(GltfFile& f, const Shape& shape, const Mesh& mesh, size_t number)
       checked.normals.resize(mesh.positions.size(), {0, 0, 1});
       if (shape.turned)
         for (Vec3f& n : checked.normals) n = -n;
-      return add_accessor(f, checked.normals, kFloat, checked.normals.size(), "VEC3");
+      return f.glb.add_vectors(checked.normals);
     });
   if (is_textured && mesh.uv.size() == mesh.positions.size())
-    attributes["TEXCOORD_0"] = accessor(
-        kTexcoord, false, [&] { return add_accessor(f, mesh.uv, kFloat, mesh.uv.size(), "VEC2"); });
+    attributes["TEXCOORD_0"] = accessor(kTexcoord, false, [&] {
+      return f.glb.add_accessor(mesh.uv, mesh.uv.size(), "VEC2", f.glb.float32, f.glb.vertices);
+    });
   primitive["indices"] = accessor(kIndex, shape.turned, [&] {
-    return mesh.positions.size() > 65535 ? add_indices<uint32_t>(f, mesh, shape.turned, kInt)
-                                         : add_indices<uint16_t>(f, mesh, shape.turned, kShort);
+    return mesh.positions.size() > 65535
+               ? add_indices<uint32_t>(f, mesh, shape.turned, f.glb.uint32)
+               : add_indices<uint16_t>(f, mesh, shape.turned, f.glb.uint16);
   });
   primitive["material"] = material;
   GltfJson out;
   if (!shape.name.empty()) out["name"] = shown(shape.name, 200);
   out["primitives"] = GltfJson::array({std::move(primitive)});
-  return f.meshes[key] = f.add("meshes", std::move(out));
+  return f.meshes[key] = f.glb.add("meshes", std::move(out));
 }
 
 void add_shape(GltfFile& f, const Shape& shape) {
@@ -315,35 +279,12 @@ void add_portals(GltfFile& f) {
   if (!file.portals.empty()) f.out.portals = portal_bytes(file);
 }
 
-std::string glb_of(GltfFile& f) {
-  constexpr uint32_t kGlbMagic = 0x46546c67, kJsonChunk = 0x4e4f534a, kBinChunk = 0x004e4942;
-  if (!f.bin.empty()) f.root["buffers"] = GltfJson::array({{{"byteLength", f.bin.size()}}});
-  std::string text = text_of(f.root);
-  text.resize((text.size() + 3) / 4 * 4, ' ');
-  const size_t total = 12 + 8 + text.size() + (f.bin.empty() ? 0 : 8 + f.bin.size());
-  if (total > std::numeric_limits<uint32_t>::max())
-    throw Error(Exit::bad_input, "the scene takes more than 4 GiB, which no .glb holds");
-  std::string glb;
-  glb.reserve(total);
-  const auto word = [&](size_t v) {
-    const auto word32 = static_cast<uint32_t>(v);
-    glb.append(reinterpret_cast<const char*>(&word32), sizeof word32);
-  };
-  word(kGlbMagic), word(2), word(total), word(text.size()), word(kJsonChunk);
-  glb += text;
-  if (!f.bin.empty()) {
-    word(f.bin.size()), word(kBinChunk);
-    glb += f.bin;
-  }
-  return glb;
-}
-
 }  // namespace
 
 GltfOutput write_gltf(const Described& scene, const GltfOptions& writing, Source& source) {
   GltfFile f{scene, writing, source};
   f.out.frame = frame_of(scene, writing.up);
-  GltfJson& root = f.root;
+  GltfJson& root = f.glb.root;
   root["asset"] = {{"version", "2.0"}, {"generator", "tdpt " TDPT_VERSION}};
   root["asset"]["extras"]["source"] = writing.format;
   if (!writing.provenance.empty()) root["asset"]["extras"]["provenance"] = writing.provenance.lines;
@@ -364,7 +305,7 @@ GltfOutput write_gltf(const Described& scene, const GltfOptions& writing, Source
   if (!f.extensions.empty()) root["extensionsUsed"] = f.extensions;
   f.out.materials = root.contains("materials") ? root["materials"].size() : 0;
   f.out.textures = root.contains("images") ? root["images"].size() : 0;
-  f.out.glb = glb_of(f);
+  f.out.glb = f.glb.file();
   return std::move(f.out);
 }
 
