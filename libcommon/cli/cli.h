@@ -132,7 +132,8 @@ struct Common {
   std::string canonical() const;
   void check_dependencies() const;
   std::string target_;  ///< -MQ; empty: the name given by -o
-  mutable std::vector<std::string> read_;
+  /// Copies of these options, such as a quiet one, share the list.
+  std::shared_ptr<std::vector<std::string>> read_ = std::make_shared<std::vector<std::string>>();
 };
 
 /// Kind of the result: text may go to a terminal, binary never does.

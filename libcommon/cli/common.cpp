@@ -97,11 +97,11 @@ void Common::also_read(const std::vector<std::string>& paths) const {
   // A file made under another name will be renamed to the target.
   if (!target_.empty()) check_outputs({{"-MQ", target_}}, paths);
   if (!dependencies.empty()) std::for_each(paths.begin(), paths.end(), check_make_name);
-  read_.insert(read_.end(), paths.begin(), paths.end());
+  read_->insert(read_->end(), paths.begin(), paths.end());
 }
 
 std::string Common::dependency_rule() const {
-  return make_rule(target_.empty() ? output : target_, read_);
+  return make_rule(target_.empty() ? output : target_, *read_);
 }
 
 void Common::check_dependencies() const {
