@@ -112,7 +112,7 @@ Explored explore(const Job& job, const Vista& vista, const Camera& camera,
   const std::vector<Portal> probed =
       goes_through_portals(job, vista) ? portals : std::vector<Portal>();
   const bool by_arrival = competes_with_sky(vista);
-  if (probed.empty() && !by_arrival) return nothing;
+  if (probed.empty() && !by_arrival && job.max_depth >= kMaxDepth) return nothing;
   const double share = job.automatic ? kShareBesidePilot : kShareAlone;
   if (!(samples > 0)) samples = share * samples_foreseen(job.limits, vista.view.film);
   samples = std::clamp(samples, kExplorationFewest, kExplorationEnough);
