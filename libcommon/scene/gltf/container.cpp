@@ -29,9 +29,9 @@ Chunks split_chunks(std::string_view bytes, const std::string& file) {
   if (!bytes.starts_with("glTF")) {
     const size_t first = bytes.find_first_not_of(" \t\r\n\xEF\xBB\xBF");
     if (first == bytes.npos || bytes[first] != '{')
-      fail("",
-           "is no glTF scene, expected \"glTF\" (.glb) or \"{\" (.gltf) at its start: export it as "
-           "glTF 2.0 from its program, or convert it by tdpt-import (Mitsuba, pbrt, Tungsten)");
+      fail("", std::string("is no glTF scene, expected \"glTF\" (.glb) or \"{\" (.gltf) at its "
+                           "start: ") +
+                   kAdviceOnOthers);
     return {bytes, {}, false};
   }
   if (bytes.size() < kHeader)

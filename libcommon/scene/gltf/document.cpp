@@ -41,7 +41,10 @@ constexpr std::array kSupported = {"KHR_materials_emissive_strength",
                                    "EXT_mesh_gpu_instancing"};
 
 void read_version(const Value& root) {
-  const Value version = root["asset"].needed()["version"].needed();
+  const Value asset = root["asset"];
+  if (!asset)
+    asset.fail_because(std::string("is missing, so this is no glTF scene: ") + kAdviceOnOthers);
+  const Value version = asset["version"].needed();
   if (const std::string text = version.text(); text != "2" && !text.starts_with("2."))
     version.fail("\"2.0\"");
 }

@@ -193,6 +193,11 @@ class DistinctNames {
   std::map<std::string, size_t> numbers_;
 };
 
+/// What to do with a file of another kind.
+inline constexpr const char* kAdviceOnOthers =
+    "export it as glTF 2.0 from its program, or convert it by tdpt-import (Mitsuba, pbrt, "
+    "Tungsten)";
+
 /// The JSON of a .glb or .gltf, and the binary chunk of a .glb.
 struct Chunks {
   std::string_view json, bin;

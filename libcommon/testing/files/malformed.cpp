@@ -53,7 +53,9 @@ void json(MalformedList& l) {
         "JSON: holds a number beyond the range of double precision");
   l.raw("json-deep", R"({"asset": )" + std::string(5000, '[') + std::string(5000, ']') + "}",
         "JSON: is nested more than 64 levels deep");
-  l.raw("asset-missing", "{}", "asset: is missing");
+  l.raw("asset-missing", "{}",
+        "asset: is missing, so this is no glTF scene: export it as glTF 2.0 from its program, or "
+        "convert it by tdpt-import (Mitsuba, pbrt, Tungsten)");
   l.replace("asset-version", "/asset/version", "1.0",
             "asset.version: is \"1.0\", expected \"2.0\"");
   l.spoil(
