@@ -195,7 +195,7 @@ class Using(unittest.TestCase):
         portals.write_used(self.scene, self.path)
         told = subprocess.run([programs.program("tdpt-info"), self.path], capture_output=True, text=True, check=True).stdout
         self.assertIn("portals", told.splitlines()[0])
-        self.assertIn("portal.2: 1 x 2 m", told)
+        self.assertIn("portal.2: area_m2 2", told)
 
 
 class Rendering(unittest.TestCase):

@@ -109,8 +109,8 @@ Json portal_facts(const Portal& portal) {
              {"area_m2", area_of(portal)},
              {"middle_m", place(middle)},
              {"light_to", place(normalize(cross(b - a, c - a)))},
-             {"triangles", portal.triangles.size()},
-             {"figures", portal.figures}};
+             {"triangles", portal.triangles.size()}};
+  if (!portal.figures.empty()) facts["figures"] = portal.figures;
   if (!portal.cameras.empty()) facts["cameras"] = portal.cameras;
   return facts;
 }
