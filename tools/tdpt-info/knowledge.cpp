@@ -1,6 +1,7 @@
 #include "tools/tdpt-info/knowledge.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <iterator>
@@ -265,17 +266,20 @@ Knowledge knowledge_of(const std::string& path) {
 
 namespace {
 
+// The figures of a portal by which people judge it.
+constexpr std::array kJudged{"conductance", "flux_share", "sky", "support", "tightness"};
+
 // "area_m2 1.8, middle_m 1 1 0, figures flux_share 0.71, sky 0": a record without its name.
-std::string words_of(const Json& value) {
+std::string words_of(const Json& value, bool judged_alone = false) {
   if (value.is_string()) return value.get<std::string>();
   if (value.is_number_float()) return number_words(value.get<double>());
   if (!value.is_structured()) return value.dump();
   std::string text;
   for (const auto& [key, part] : value.items()) {
-    if (key == "name") continue;
+    if (key == "name" || (judged_alone && std::ranges::count(kJudged, key) == 0)) continue;
     if (!text.empty()) text += value.is_object() ? ", " : " ";
     if (value.is_object()) text += key + " ";
-    text += words_of(part);
+    text += words_of(part, key == "figures");
   }
   return text;
 }
