@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <limits>
 #include <numbers>
 
@@ -10,8 +9,6 @@
 
 namespace tdpt {
 namespace {
-
-// ---- Joining ----
 
 // Decides which openings are one.
 //
@@ -102,22 +99,21 @@ bool join_best(std::vector<Group>& groups, std::vector<std::vector<double>>& wor
 
 // The opening near `start` that all of these lines pass.
 std::optional<Aperture> opening_of(const LightGrid& grid, const std::vector<LightLine>& lines,
-                                   const Tube& start, Strays strays = Strays::trimmed) {
+                                   const Tube& start) {
   Aperture a{turned_into_wall(lines, holding_plane(lines, start), grid.walls), {}, {}};
   std::vector<Vec2d> places;
   for (const LightLine& line : lines)
     if (const auto at = clear_crossing(a.tube.middle, line)) places.push_back(*at);
   if (places.size() < kFewestLines) return {};
-  a.polygon = outline_of(places, strays);
+  a.polygon = outline_of(places);
   if (a.polygon.empty()) return {};
   return a;
 }
 
-// The lines of all `parts` but number `but`.
-std::vector<uint32_t> lines_of(const std::vector<Aperture>& parts, size_t but = SIZE_MAX) {
+// The lines of all `parts`.
+std::vector<uint32_t> lines_of(const std::vector<Aperture>& parts) {
   std::vector<uint32_t> all;
-  for (size_t i = 0; i < parts.size(); ++i)
-    if (i != but) all.insert(all.end(), parts[i].lines.which.begin(), parts[i].lines.which.end());
+  for (const Aperture& a : parts) all.insert(all.end(), a.lines.which.begin(), a.lines.which.end());
   std::sort(all.begin(), all.end());
   all.erase(std::unique(all.begin(), all.end()), all.end());
   return all;
@@ -187,147 +183,6 @@ std::vector<Aperture> joined_in_planes(const LightGrid& grid, const Bundle& all,
     joined.insert(joined.end(), openings.begin(), openings.end());
   }
   return joined;
-}
-
-namespace {
-
-// ---- Parting ----
-
-// Separates openings that share lines or an edge: each is fitted again to its own lines.
-//
-// Method: alternating assignment of lines and fit of openings. The plane of one opening bounds the
-// other as a half-plane, at which its convex outline is clipped.
-
-// Midpoint of the half-plane's border within `polygon`, if it crosses it.
-std::optional<Vec2d> middle_of_border(const Polygon& polygon, const HalfPlane& half) {
-  Vec2d sum{};
-  int ends = 0;
-  for (size_t i = 0; i < polygon.size(); ++i) {
-    const Vec2d p = polygon[i], q = polygon[(i + 1) % polygon.size()];
-    const double from = dot(p, half.axis) - half.limit, to = dot(q, half.axis) - half.limit;
-    if ((from > 0) == (to > 0)) continue;
-    sum = sum + p + (q - p) * (from / (from - to));
-    ++ends;
-  }
-  if (ends == 0) return {};
-  return sum * (1.0 / ends);
-}
-
-// Clips `a`, which is or replaces number `own` of `all`, at the edges that it shares with the
-// others. Returns false if it shares none.
-bool keep_before(Aperture& a, size_t own, const std::vector<Aperture>& all) {
-  bool shares = false;
-  for (size_t b = 0; b < all.size(); ++b) {
-    if (b == own) continue;
-    const auto edge = shared_edge(a, all[b]);
-    if (!edge) continue;
-    a.polygon = clipped(a.polygon, edge->axis, edge->limit);
-    shares = true;
-  }
-  return shares;
-}
-
-// Lines through `plane` near `polygon`, except those in `taken`, which is sorted.
-std::vector<LightLine> lines_near(const Bundle& all, const Plane& plane, const Polygon& polygon,
-                                  const std::vector<uint32_t>& taken) {
-  const Polygon reach = enlarged(polygon, kWidening);
-  std::vector<LightLine> lines;
-  for (const uint32_t l : all.which)
-    if (const auto at = clear_crossing(plane, all.line(l));
-        at && contains(reach, *at) && !std::binary_search(taken.begin(), taken.end(), l))
-      lines.push_back(all.line(l));
-  return lines;
-}
-
-// Fits the opening again, to all lines that pass here and not through the others.
-std::optional<Aperture> fitted_again(const LightGrid& grid, const Bundle& all,
-                                     const std::vector<uint32_t>& taken,
-                                     std::optional<Aperture> a) {
-  constexpr int kRounds = 6;
-  for (int round = 0; a && round < kRounds; ++round) {
-    const auto own = lines_near(all, a->tube.middle, a->polygon, taken);
-    if (own.size() < kFewestLines) return {};
-    a = opening_of(grid, own, a->tube, round + 1 == kRounds ? Strays::kept : Strays::trimmed);
-  }
-  return a;
-}
-
-// Whether `a` is a better opening than `b`: less area, or more lines. A fit to only part of the
-// light may be turned by what it lacks.
-bool better(const Aperture& a, const Aperture& b) {
-  const auto lines = [](const Aperture& x) { return static_cast<double>(x.lines.size()); };
-  return std::log(area(a.polygon) / area(b.polygon)) <
-         kWorthOfKnown * std::log(lines(a) / lines(b));
-}
-
-}  // namespace
-
-std::optional<HalfPlane> shared_edge(const Aperture& a, const Aperture& b) {
-  const Plane &own = a.tube.middle, &other = b.tube.middle;
-  const Onb<double> frame(own.n);
-  const Vec2d axis{dot(other.n, frame.x), dot(other.n, frame.y)};
-  const double slant = std::hypot(axis.x, axis.y);
-  if (slant * slant < 1 - kNearlyParallel * kNearlyParallel) return {};
-  HalfPlane half{axis * (1 / slant), dot(other.o - own.o, other.n) / slant};
-  const double whole = area(a.polygon);
-  double kept = area(clipped(a.polygon, half.axis, half.limit));
-  if (kept < 0.5 * whole) half = {half.axis * -1, -half.limit}, kept = whole - kept;
-  const auto middle = middle_of_border(enlarged(a.polygon, kWidening), half);
-  if (!middle) return {};
-  const Vec2d there = in_plane(other, to_space(own, *middle));
-  if (!contains(enlarged(b.polygon, kWidening), there)) return {};
-  return half;
-}
-
-void part_from_each_other(const LightGrid& grid, const Bundle& all, std::vector<Aperture>& found) {
-  if (found.size() < 2) return;
-  for (const double growth : {kWidening, std::sqrt(kWidening), 1.0}) {
-    for (Aperture& a : found) {
-      std::vector<uint32_t> others;
-      for (const Aperture& b : found) {
-        if (&b == &a) continue;
-        Aperture wider = b;
-        wider.polygon = enlarged(b.polygon, growth);
-        const Bundle across = lines_across(all, wider);
-        others.insert(others.end(), across.which.begin(), across.which.end());
-      }
-      std::sort(others.begin(), others.end());
-      const auto without = [&](const Bundle& lines) {
-        Bundle left{all.of};
-        std::set_difference(lines.which.begin(), lines.which.end(), others.begin(), others.end(),
-                            std::back_inserter(left.which));
-        return left;
-      };
-      const auto shared = static_cast<double>(a.lines.size() - without(a.lines).size());
-      const auto size = static_cast<double>(a.lines.size());
-      if (shared < kSlight * size || shared > 0.5 * size) continue;
-      auto again = outlined(grid, without(all), a.tube, true);
-      if (!again) continue;
-      again->lines = lines_across(all, *again);
-      if (again->lines.size() >= kMost * size) a = std::move(*again);
-    }
-  }
-}
-
-void part_at_shared_edges(const LightGrid& grid, const Bundle& all, std::vector<Aperture>& found) {
-  std::vector<size_t> smallest_first;
-  for (size_t k = 0; k < found.size(); ++k)
-    if (keep_before(found[k], k, found)) {
-      found[k].lines = lines_across(all, found[k]);
-      smallest_first.push_back(k);
-    }
-  std::stable_sort(smallest_first.begin(), smallest_first.end(), [&](size_t a, size_t b) {
-    return found[a].lines.size() < found[b].lines.size();
-  });
-  for (const size_t k : smallest_first) {
-    auto again = fitted_again(grid, all, lines_of(found, k), found[k]);
-    if (!again) continue;
-    keep_before(*again, k, found);
-    again->lines = lines_across(all, *again);
-    if (again->lines.size() >= kMost * static_cast<double>(found[k].lines.size()) &&
-        better(*again, found[k]))
-      found[k] = std::move(*again);
-  }
 }
 
 }  // namespace tdpt

@@ -55,12 +55,8 @@ std::vector<Vec3d> corners_of(const Aperture& a);
 /// Those of `lines` that cross the aperture along its normal.
 Bundle lines_across(const Bundle& lines, const Aperture& a);
 
-/// Whether strays may be among the crossings of an outline, or all are known to belong to the
-/// opening. Where a gap narrows to nothing few lines pass, and light that misses its portal costs a
-/// render more than a portal that is slightly too large.
-enum class Strays { trimmed, kept };
-/// The convex outline of an opening with these crossings; empty if there is none.
-Polygon outline_of(std::vector<Vec2d> points, Strays strays = Strays::trimmed);
+/// The convex outline of an opening with these crossings, without strays; empty if there is none.
+Polygon outline_of(std::vector<Vec2d> points);
 
 /// The aperture among `lines` close to `tube`, with its tube and outline. `again`: `tube` is the
 /// result of an earlier fit.
@@ -91,8 +87,7 @@ std::optional<Aperture> part_of_directions(const LightGrid& grid, const Bundle& 
 
 // ---- Neighbours (neighbours.cpp) ----
 //
-// Panes and gaps in one plane are joined into one opening with bars in it, and lines are divided
-// among openings that stand side by side.
+// Panes and gaps in one plane are joined into one opening with bars in it.
 
 /// Joint geometry of flat shapes.
 struct Joint {
@@ -112,32 +107,5 @@ double distance_between(const Polygon& a, const Polygon& b);
 /// is fitted again to its lines, which are those of `all`.
 std::vector<Aperture> joined_in_planes(const LightGrid& grid, const Bundle& all,
                                        std::vector<Aperture> parts, size_t most);
-
-// Divides the lines of openings that stand beside each other.
-
-/// Points with dot(axis, p) <= limit; `axis` is unit.
-struct HalfPlane {
-  Vec2d axis;
-  double limit = 0;
-};
-
-/// The border of `a` at the plane of `b`, in coordinates of the plane of `a`. Openings that share
-/// an edge, such as the slit beside a door and the gap above its leaf, each lie on one side of the
-/// other's plane. Nothing if the planes are within 30 degrees of parallel, meet farther from either
-/// outline than a fifth of its size, or would cut off more than a quarter of `a`.
-std::optional<HalfPlane> shared_edge(const Aperture& a, const Aperture& b);
-
-/// For openings side by side, such as the slit beside a door and the gap above it: light through
-/// the second crosses the plane of the first beyond its edge and extends its outline there. So each
-/// is outlined again by the lines that do not cross the others, at first with the others enlarged.
-/// Skips an opening most of whose lines cross others, too: such openings follow each other. All
-/// lines are those of `all`.
-void part_from_each_other(const LightGrid& grid, const Bundle& all, std::vector<Aperture>& found);
-
-/// For openings that share an edge: lines near it belong to neither yet, and each outline includes
-/// some of the other's. Each is clipped at the other's plane; then, the smallest first, each is
-/// fitted again to the lines near it that pass no other, if that is better: less area, or more
-/// lines. All lines are those of `all`.
-void part_at_shared_edges(const LightGrid& grid, const Bundle& all, std::vector<Aperture>& found);
 
 }  // namespace tdpt

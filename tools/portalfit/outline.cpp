@@ -87,10 +87,10 @@ Bundle lines_across(const Bundle& lines, const Aperture& a) {
   });
 }
 
-Polygon outline_of(std::vector<Vec2d> points, Strays strays) {
+Polygon outline_of(std::vector<Vec2d> points) {
   Polygon hull = convex_hull(points);
   if (hull.size() < 3 || !(area(hull) > 0)) return {};
-  if (strays == Strays::trimmed) hull = trimmed(std::move(hull), points);
+  hull = trimmed(std::move(hull), points);
   return simplified(completed(hull, points.size()), kSlight);
 }
 

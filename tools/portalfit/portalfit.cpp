@@ -4,9 +4,8 @@
 // whose lines are deleted, until few are left. A candidate needs support (few of the probes through
 // it may join one side with itself) and an edge (a wall, past which the air goes on before or
 // behind). Openings beside each other in one plane are joined, as panes; then each needs a share of
-// the camera's light; then those that stand beside each other are separated. What several cuts of a
-// camera found is one opening if most of the light of either passes both; what several cameras
-// found is one if that holds for both.
+// the camera's light. What several cuts of a camera found is one opening if most of the light of
+// either passes both; what several cameras found is one if that holds for both.
 #include "tools/portalfit/portalfit.h"
 
 #include <algorithm>
@@ -277,8 +276,6 @@ class Fit {
     found = enough_light(std::move(found));
     if (const auto most = static_cast<size_t>(options_.max_portals); found.size() > most)
       found = enough_light(joined_in_planes(grid_, all, std::move(found), most));
-    part_from_each_other(grid_, all, found);
-    part_at_shared_edges(grid_, all, found);
     return found;
   }
 
