@@ -83,9 +83,9 @@ PatchMap map_of(const Scene& scene, const std::vector<uint32_t>& component, cons
 Extent reach_of_hits(const std::vector<Walks>& cameras, double share) {
   Extent reach;
   for (const Walks& walks : cameras) {
-    std::vector<WeightedPlace> places;
+    std::vector<Vec3d> places;
     for (const WalkHit& h : walks)
-      if (is_hit(h)) places.push_back({Vec3d(h.position), 1});
+      if (is_hit(h)) places.push_back(Vec3d(h.position));
     reach.add(reach_of(places, share));
   }
   return reach;
