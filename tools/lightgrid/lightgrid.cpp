@@ -22,7 +22,7 @@
 namespace tdpt {
 namespace {
 
-constexpr uint64_t kFirstBatch = 1 << 15;
+constexpr uint64_t kFirstBatch = 1 << 13;
 constexpr double kAroundRooms = 0.1;   // of their longest side: allows for walls of this thickness
 constexpr size_t kFewestKept = 2000;   // with fewer kept segments the counts never count as settled
 constexpr double kHot = 0.25;          // of the largest count: voxels that are compared
@@ -66,11 +66,11 @@ Extent reach_of_cut(const Scene& scene, const CutFile& cut) {
   // With a sky, only the rooms: their borders contain all openings, and the landscape is far
   // larger.
   const bool sky = has_sky(cut);
-  std::vector<WeightedPlace> places;
+  std::vector<Vec3d> places;
   for (size_t i = 0; i < cut.patches.size(); ++i) {
     const Patch& p = cut.patches[i];
     if (sky && cut.sides[i] == 0) continue;
-    places.push_back({scene.frame.to_canonical(p.centre), 1});
+    places.push_back(scene.frame.to_canonical(p.centre));
   }
   const Extent box = box_of(scene);
   const Extent reach = reach_of(places);
