@@ -25,6 +25,11 @@ namespace tdpt {
 
 namespace {
 
+// The sweep cut at a drop is worse than the minimum cut there: its largest conductance, of the
+// largest of a bottleneck.
+constexpr double kLoose = 2;
+constexpr size_t kMostDrops = 12;  // that are cut, the narrowest
+
 // A part of the sweep.
 struct Part {
   size_t low = 0, high = 0;  // number of nodes before its first one and up to its last one
@@ -69,7 +74,7 @@ class SeriesCutter {
         check_(check),
         all_arcs_(arcs_with_terminals(problem)),
         graph_(all_arcs_),
-        sweep_(sweep_of(problem, limits)) {}
+        sweep_(sweep_of(problem)) {}
 
   SeriesCut run() {
     if (const std::string nothing = terminal_without_arcs(); !nothing.empty()) {
@@ -139,7 +144,7 @@ class SeriesCutter {
   // Finds the drops between `low` and `high` (exclusive), in order: the best one, and recursively
   // those in both parts.
   void find_drops(size_t low, size_t high, std::vector<Drop>& found) const {
-    Drop best{0, std::min(1.0, limits_.loose * limits_.largest_conductance)};
+    Drop best{0, std::min(1.0, kLoose * limits_.largest_conductance)};
     for (size_t i = low + 1; i < high; ++i) {
       if (share(low, i) < limits_.least_area) continue;
       if (share(i, high) < limits_.least_area) break;
@@ -197,10 +202,9 @@ class SeriesCutter {
   std::vector<Drop> drops_to_examine() {
     std::vector<Drop> drops;
     find_drops(0, sweep_.size(), drops);
-    const auto most = static_cast<size_t>(limits_.most_drops);
-    result_.passed = drops.size() - std::min(drops.size(), most);
+    result_.passed = drops.size() - std::min(drops.size(), kMostDrops);
     result_.drops = drops.size() - result_.passed;
-    while (drops.size() > most)
+    while (drops.size() > kMostDrops)
       drops.erase(std::max_element(drops.begin(), drops.end(), [](const Drop& a, const Drop& b) {
         return a.conductance < b.conductance;
       }));

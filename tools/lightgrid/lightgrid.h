@@ -16,7 +16,7 @@ struct LightGridOptions {
   uint64_t seed = 1;
   uint64_t samples = 1 << 20;  ///< maximum number of segments between pivot patches
   double tolerance = 0.1;      ///< change of the normalised counts below which they have settled
-  size_t lines = 8192;         ///< maximum number of lines in the file
+  size_t lines = 8192;         ///< maximum number of lines of a cut
   /// The user's own lines, used instead of segments between pivot patches; all are kept. Empty:
   /// segments are sampled.
   std::vector<LightLine> own;

@@ -74,7 +74,10 @@ constexpr uint64_t kMeetings = 4;  // number of first steps, with x where lines 
 std::vector<double> weights_of(const std::vector<double>& count) {
   const double most = kFull * *std::max_element(count.begin(), count.end());
   std::vector<double> w(count.size());
-  for (size_t i = 0; i < w.size(); ++i) w[i] = std::pow(std::min(count[i], most), 3);
+  for (size_t i = 0; i < w.size(); ++i) {
+    const double c = std::min(count[i], most);
+    w[i] = c * c * c;
+  }
   return w;
 }
 
@@ -89,13 +92,19 @@ double weight_of(const LightGrid& grid, const std::vector<double>& w, const Ligh
 // Samples a point on `line` [metres] in proportion to w; empty if w is 0 along it.
 std::optional<Vec3d> place_on(const LightGrid& grid, const std::vector<double>& w,
                               const LightLine& line, double u) {
-  double left = u * weight_of(grid, w, line), walked = 0, at = -1;
+  thread_local std::vector<std::pair<double, double>> steps;  // weight and length in each voxel
+  steps.clear();
+  double left = 0, walked = 0, at = -1;
   walk_grid(grid, line.light, line.camera, [&](size_t voxel, double inside) {
-    const double here = w[voxel] * inside;
+    steps.emplace_back(w[voxel] * inside, inside);
+    left += steps.back().first;
+  });
+  left *= u;
+  for (const auto& [here, inside] : steps) {
     if (left >= 0 && here > 0) at = walked + inside * std::min(1.0, left / here);
     left -= here;
     walked += inside;
-  });
+  }
   if (at < 0) return {};
   return line.light + normalize(line.camera - line.light) * at;
 }

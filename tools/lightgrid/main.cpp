@@ -58,7 +58,7 @@ void declare_options(cli::Options& options, Arguments& a) {
   options.quality();
   options.option("--resolution,--set resolution", a.resolution, kResolution, "N",
                  "Voxels along the longest side of the grid", 8, 512);
-  options.option("--set lines", a.lines, kLines, "N", "Most lines of light kept in the file", 100,
+  options.option("--set lines", a.lines, kLines, "N", "Most lines of light kept for a cut", 100,
                  1 << 22);
   declare_device_options(options, a.device, "What traces the lines");
   declare_pose_options(options, a.pose);
