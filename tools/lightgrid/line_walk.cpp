@@ -28,9 +28,9 @@
 // b/(kFaint b')): so lines have the density g(l) dmu(l). Bright lines are no denser than others,
 // since an opening is found by all that passes it. A line stands for b/g.
 //
-// Many lines join several cuts, of one camera or of several that look through one opening. The
-// first of them in the file has told of these lines: in the others their density is kTold g(l)
-// dmu(l), and a cut has fewer lines for it, so that those which are its own are as dense as ever.
+// Several cuts, of one camera or of several, may pass one opening. If most lines of a cut join an
+// earlier one in the file, that one has told of them: their density is kTold g(l) dmu(l), and the
+// cut has fewer lines for it, so that those which are its own are as dense as ever.
 //
 // That is the limit. In practice the chains make only some moves, and w is re-estimated from their
 // own lines, the last time half-way. Since no line is used twice, those whose W is below its lower
@@ -65,7 +65,8 @@ constexpr double kNarrowest = 2e4;  // largest exponent of the cosine
 // The walk ends after this many moves per chain on average, or after this many steps.
 constexpr uint64_t kMoves = 4, kMostSteps = 48;
 constexpr double kFaint = 0.02;  // of the mean light: lines with less are thinned
-constexpr double kTold = 0.25;   // density of lines that an earlier cut has
+// Density of lines that an earlier cut has, if they are more than this share.
+constexpr double kTold = 0.25, kMostlyTold = 0.5;
 constexpr double kOffEnds = 1e-3;
 constexpr uint64_t kMeetings = 4;  // number of first steps, with x where lines meet
 
@@ -184,13 +185,16 @@ class Chains {
     double sum = 0;
     for (const LightLine& line : start_) sum += line.share;
     faint_ = kFaint * sum / static_cast<double>(std::max<size_t>(start_.size(), 1));
-    std::vector<double> density;
-    double own = 0, all = 0;
+    double told = 0, all = 0;
     for (const LightLine& line : start_) {
-      density.push_back(density_of(line));
-      own += density.back(), all += lit_share(line);
+      all += lit_share(line);
+      if (line.cut < cut_) told += lit_share(line);
     }
-    most_ = static_cast<size_t>(std::ceil(own / all * static_cast<double>(most)));
+    if (told > kMostlyTold * all) told_ = kTold;
+    most_ =
+        static_cast<size_t>(std::ceil((1 - (1 - told_) * told / all) * static_cast<double>(most)));
+    std::vector<double> density;
+    for (const LightLine& line : start_) density.push_back(density_of(line));
     const size_t chains = most_ + most_ / 3 + 1;
     line_.resize(chains), tries_.resize(chains), wide_.resize(chains), probe_.resize(chains);
     const AliasTable table(density);
@@ -249,7 +253,7 @@ class Chains {
   }
 
   double density_of(const LightLine& line) const {
-    return line.cut < cut_ ? kTold * lit_share(line) : lit_share(line);
+    return line.cut < cut_ ? told_ * lit_share(line) : lit_share(line);
   }
 
   // A point on chain i and a direction; no direction if the line has no weight.
@@ -302,6 +306,7 @@ class Chains {
   std::vector<double> w_;         // per voxel
   std::vector<LightLine> start_;  // from the coarse pass
   double faint_ = 0;              // light of a line below which it is thinned
+  double told_ = 1;               // density of lines that an earlier cut has
   size_t most_ = 0;               // lines of the result
   std::vector<LightLine> line_;   // per chain, as are the following
   std::vector<shader::LineTry> tries_;
