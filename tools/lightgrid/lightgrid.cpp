@@ -22,7 +22,7 @@
 namespace tdpt {
 namespace {
 
-constexpr uint64_t kFirstBatch = 1 << 14;
+constexpr uint64_t kFirstBatch = 1 << 13;
 constexpr double kAroundRooms = 0.1;   // of their longest side: allows for walls of this thickness
 constexpr size_t kFewestKept = 2000;   // with fewer kept segments the counts never count as settled
 constexpr double kHot = 0.25;          // of the largest count: voxels that are compared
