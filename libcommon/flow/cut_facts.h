@@ -25,13 +25,8 @@ struct CutLimits {
   /// which sampling the lamp finds the opening as well as a portal would.
   double straight = 0.25, seen = 0.1;
 
-  // The sweep [potential_sweep.h].
-  double hold = 0.3;        ///< conductance that holds a patch's potential, of its samples
-  double least_drop = 0.7;  ///< smallest difference of log(importance / brightness) of two rooms
-  /// The sweep cut at a drop is worse than the minimum cut there: its largest conductance, of
-  /// largest_conductance.
-  double loose = 2;
-  double most_drops = 12;  ///< that are cut, the narrowest
+  /// Smallest difference of log(importance / brightness) of two rooms [potential_sweep.h].
+  double least_drop = 0.7;
 };
 
 /// A network whose nodes, apart from the two terminals, are patches of surface or of the sky.

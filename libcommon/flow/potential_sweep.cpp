@@ -20,7 +20,8 @@ namespace {
 constexpr int kMostIterations = 2000;
 constexpr double kResidual = 1e-9;  // relative, of the conjugate gradients
 constexpr double kFaintest = 1e-5;  // of the mean: less counts as this
-constexpr double kPinned = 1000;    // strength that leaves a potential where it is held
+constexpr double kHold = 0.3;       // conductance that holds a potential, of the samples
+constexpr double kPinned = 1000;    // the same, that leaves it where it is held
 
 // The resistors: conductances c_ij in compressed rows, and the arcs of the terminals.
 struct Links {
@@ -72,7 +73,7 @@ struct Hold {
 
 // log(v_i / b_i), in units of their means, a mean over the node's surroundings: from room to room
 // light falls by a factor, and the camera's part rises. All of the sky is one light, bright or not.
-std::vector<Hold> holds_of(const PatchNetwork& p, const Links& l, double hold) {
+std::vector<Hold> holds_of(const PatchNetwork& p, const Links& l) {
   // Per sample of each node; where they are unknown, the walks that hit it, or else the terminals'
   // part of it.
   const bool known = !p.brightness.empty(), walked = !p.lit.empty();
@@ -97,15 +98,15 @@ std::vector<Hold> holds_of(const PatchNetwork& p, const Links& l, double hold) {
     if (p.is_sky(v))
       holds[v] = {2 * std::log(kFaintest), kPinned};
     else if (b > 0 || i > 0)
-      holds[v] = {std::log(std::max(i, kFaintest) / std::max(b, kFaintest)), hold};
+      holds[v] = {std::log(std::max(i, kFaintest) / std::max(b, kFaintest)), kHold};
   }
   return holds;
 }
 
 // Solves for u with diagonally preconditioned conjugate gradients.
-std::vector<double> potential_of(const PatchNetwork& p, const Links& l, const CutLimits& limits) {
+std::vector<double> potential_of(const PatchNetwork& p, const Links& l) {
   const uint32_t n = p.network.nodes;
-  const std::vector<Hold> holds = holds_of(p, l, limits.hold);
+  const std::vector<Hold> holds = holds_of(p, l);
   std::vector<double> diagonal(n), right(n, 0), u(n, 0.5);
   for (uint32_t v = 0; v < n; ++v) {
     const double whole = p.samples[v] * p.scale;
@@ -148,10 +149,10 @@ std::vector<double> potential_of(const PatchNetwork& p, const Links& l, const Cu
 
 }  // namespace
 
-Sweep sweep_of(const PatchNetwork& p, const CutLimits& limits) {
+Sweep sweep_of(const PatchNetwork& p) {
   const Links links = links_of(p);
   Sweep s;
-  s.u = potential_of(p, links, limits);
+  s.u = potential_of(p, links);
   for (uint32_t v = 0; v < p.network.nodes; ++v)
     if (!p.terminal(v)) s.order.push_back(v);
   std::sort(s.order.begin(), s.order.end(),

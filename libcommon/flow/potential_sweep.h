@@ -32,7 +32,7 @@ struct Sweep {
   }
 };
 
-Sweep sweep_of(const PatchNetwork& problem, const CutLimits& limits);
+Sweep sweep_of(const PatchNetwork& problem);
 
 /// Unary terms of patches or of bins of the sky, as in image segmentation: min(1, E_i / (0.5
 /// E_med)) with E_i = light_i / size_i and E_med its median, weighted; 0 for what has no light or

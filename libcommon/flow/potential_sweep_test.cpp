@@ -22,7 +22,7 @@ PatchNetwork row() {
 }
 
 TEST(potential_sweep, is_that_of_resistors_in_a_row) {
-  const Sweep s = sweep_of(row(), {});
+  const Sweep s = sweep_of(row());
   ASSERT_EQ(s.order, (std::vector<uint32_t>{2, 3, 4, 5}));
   // Held at either end, through 1/300, where one terminal has four times its mean and the other
   // nothing; 1/400, 1/40, 1/400 between.
@@ -37,13 +37,13 @@ TEST(potential_sweep, takes_walks_for_light) {
   PatchNetwork lit = row(), known = row();
   lit.lit = {0, 0, 80, 40, 20, 10}, lit.viewed = {0, 0, 10, 20, 40, 80};
   known.brightness = {0, 0, 8, 4, 2, 1}, known.importance = {0, 0, 1, 2, 4, 8};
-  const Sweep walks = sweep_of(lit, {}), light = sweep_of(known, {});
+  const Sweep walks = sweep_of(lit), light = sweep_of(known);
   for (uint32_t v = 2; v < 6; ++v) EXPECT_NEAR(walks.u[v], light.u[v], 1e-9);
-  EXPECT_GT(std::abs(sweep_of(row(), {}).u[2] - light.u[2]), 1);  // twin: terminals alone
+  EXPECT_GT(std::abs(sweep_of(row()).u[2] - light.u[2]), 1);  // twin: terminals alone
 }
 
 TEST(potential_sweep, has_its_narrowest_cut_where_the_potential_drops) {
-  const Sweep s = sweep_of(row(), {});
+  const Sweep s = sweep_of(row());
   EXPECT_EQ(s.crossing, (std::vector<double>{400, 40, 400, 0}));
   EXPECT_EQ(s.between(1, 4).area, 3);
   EXPECT_DOUBLE_EQ(s.conductance(2, 0, 4), 40.0 / (400 + 440));
@@ -56,14 +56,14 @@ TEST(potential_sweep, follows_the_light_that_reaches_the_camera) {
   PatchNetwork p = row();
   p.brightness = {0, 0, 8, 4, 2, 1};
   p.importance = {0, 0, 1, 2, 4, 8};
-  const Sweep s = sweep_of(p, {});
+  const Sweep s = sweep_of(p);
   EXPECT_EQ(s.order, (std::vector<uint32_t>{2, 3, 4, 5}));
   EXPECT_NEAR(s.u[2], std::log(1.0 / 8), 0.8);
   EXPECT_NEAR(s.u[5], std::log(8.0), 0.8);
   EXPECT_GT(s.u[4] - s.u[3], CutLimits{}.least_drop);  // across the narrow arc, by a factor of four
   // Twin: the camera where the light was.
   std::swap(p.brightness, p.importance);
-  EXPECT_EQ(sweep_of(p, {}).order, (std::vector<uint32_t>{5, 4, 3, 2}));
+  EXPECT_EQ(sweep_of(p).order, (std::vector<uint32_t>{5, 4, 3, 2}));
 }
 
 TEST(terminal_grades, are_relative_to_half_the_hit_weighted_median) {

@@ -25,10 +25,22 @@ namespace tdpt {
 
 namespace {
 
+// The sweep cut at a drop is worse than the minimum cut there: its largest conductance, of the
+// largest of a bottleneck.
+constexpr double kLoose = 2;
+constexpr size_t kMostDrops = 12;  // that are cut, the narrowest
+
+// A part of the sweep.
+struct Part {
+  size_t low = 0, high = 0;  // number of nodes before its first one and up to its last one
+  bool operator==(const Part&) const = default;
+};
+
 // A place in the sweep that may separate two rooms.
 struct Drop {
   size_t at;           // number of nodes before it
   double conductance;  // of the sweep cut, within the part of the sweep where it is the best
+  Part part{};         // in which it is cut
 };
 
 struct Candidate {
@@ -62,14 +74,16 @@ class SeriesCutter {
         check_(check),
         all_arcs_(arcs_with_terminals(problem)),
         graph_(all_arcs_),
-        sweep_(sweep_of(problem, limits)) {}
+        sweep_(sweep_of(problem)) {}
 
   SeriesCut run() {
     if (const std::string nothing = terminal_without_arcs(); !nothing.empty()) {
       deliver({judged(whole_network())}, nothing);
       return std::move(result_);
     }
-    const std::vector<Drop> drops = drops_to_examine();
+    std::vector<Drop> drops = drops_to_examine();
+    for (size_t c = 0; c < drops.size(); ++c)
+      drops[c].part = part_around(drops, c, drops[c].conductance);
     // The minimum cut first, then each drop alone: its rooms end at other drops that are at least
     // as narrow.
     std::vector<std::optional<Candidate>> alone(1 + drops.size());
@@ -77,7 +91,7 @@ class SeriesCutter {
       if (i == 0)
         alone[0] = judged(whole_network());
       else
-        alone[i] = cut_between(drops, i - 1, drops[i - 1].conductance);
+        alone[i] = cut_at(drops[i - 1].at, drops[i - 1].part);
     });
     const Candidate whole = std::move(*alone[0]);
     std::vector<Candidate> kept = bottlenecks_among(drops, {alone.begin() + 1, alone.end()});
@@ -130,7 +144,7 @@ class SeriesCutter {
   // Finds the drops between `low` and `high` (exclusive), in order: the best one, and recursively
   // those in both parts.
   void find_drops(size_t low, size_t high, std::vector<Drop>& found) const {
-    Drop best{0, std::min(1.0, limits_.loose * limits_.largest_conductance)};
+    Drop best{0, std::min(1.0, kLoose * limits_.largest_conductance)};
     for (size_t i = low + 1; i < high; ++i) {
       if (share(low, i) < limits_.least_area) continue;
       if (share(i, high) < limits_.least_area) break;
@@ -155,12 +169,12 @@ class SeriesCutter {
     return area > 0 ? sum / area : 0;
   }
 
-  // The minimum cut at a drop between nodes low .. high of the sweep. Empty if both sides have the
-  // same potential: the door of a closet, which no light passes on its way. Data term: the distance
-  // of a patch's potential from the drop, relative to that of the plateau, pulls it to its side.
-  std::optional<Candidate> cut_at(size_t drop, size_t low_end, size_t high_end) const {
+  // The minimum cut at a drop within a part of the sweep. Empty if both sides have the same
+  // potential: the door of a closet, which no light passes on its way. Data term: the distance of a
+  // patch's potential from the drop, relative to that of the plateau, pulls it to its side.
+  std::optional<Candidate> cut_at(size_t drop, const Part& part) const {
     const std::vector<double>& u = sweep_.u;
-    const double low = plateau(low_end, drop), high = plateau(drop, high_end);
+    const double low = plateau(part.low, drop), high = plateau(drop, part.high);
     if (high - low < limits_.least_drop) return {};
     const double at = 0.5 * (u[sweep_.order[drop - 1]] + u[sweep_.order[drop]]);
     FlowNetwork net = all_arcs_;
@@ -174,25 +188,23 @@ class SeriesCutter {
     return judged(net);
   }
 
-  // The cut at drop c, within the part of the sweep up to its neighbours among the `drops` that are
-  // no wider than this.
-  std::optional<Candidate> cut_between(const std::vector<Drop>& drops, size_t c,
-                                       double widest) const {
-    size_t low = 0, high = sweep_.size();
+  // The part of the sweep around drop c, up to its neighbours among the `drops` that are no wider
+  // than this.
+  Part part_around(const std::vector<Drop>& drops, size_t c, double widest) const {
+    Part part{0, sweep_.size()};
     for (size_t k = 0; k < drops.size(); ++k) {
       if (k == c || drops[k].conductance > widest) continue;
-      (k < c ? low : high) = k < c ? drops[k].at : std::min(high, drops[k].at);
+      (k < c ? part.low : part.high) = k < c ? drops[k].at : std::min(part.high, drops[k].at);
     }
-    return cut_at(drops[c].at, low, high);
+    return part;
   }
 
   std::vector<Drop> drops_to_examine() {
     std::vector<Drop> drops;
     find_drops(0, sweep_.size(), drops);
-    const auto most = static_cast<size_t>(limits_.most_drops);
-    result_.passed = drops.size() - std::min(drops.size(), most);
+    result_.passed = drops.size() - std::min(drops.size(), kMostDrops);
     result_.drops = drops.size() - result_.passed;
-    while (drops.size() > most)
+    while (drops.size() > kMostDrops)
       drops.erase(std::max_element(drops.begin(), drops.end(), [](const Drop& a, const Drop& b) {
         return a.conductance < b.conductance;
       }));
@@ -217,8 +229,10 @@ class SeriesCutter {
     keep_most(good, candidates);
     if (good.size() < 2) return candidates;
     std::vector<std::optional<Candidate>> again(good.size());
-    tbb::parallel_for(size_t{0}, good.size(),
-                      [&](size_t c) { again[c] = cut_between(good, c, INFINITY); });
+    tbb::parallel_for(size_t{0}, good.size(), [&](size_t c) {
+      const Part part = part_around(good, c, INFINITY);
+      if (part != good[c].part) again[c] = cut_at(good[c].at, part);
+    });
     std::vector<Candidate> kept;
     for (size_t c = 0; c < good.size(); ++c)
       add(again[c] && again[c]->why.empty() ? *again[c] : candidates[c], kept);

@@ -258,8 +258,15 @@ std::string dimacs_text(const DimacsFile& file) {
   const FlowNetwork& net = file.network;
   fmt::format_to(to, "p max {} {}\nn {} s\nn {} t\n", net.nodes, net.arcs.size(), net.source + 1,
                  net.sink + 1);
-  for (const FlowArc& a : net.arcs)
-    fmt::format_to(to, "a {} {} {}\n", a.from + 1, a.to + 1, a.capacity);
+  for (const FlowArc& a : net.arcs) {
+    out += 'a';
+    for (const int64_t number : {a.from + int64_t{1}, a.to + int64_t{1}, a.capacity}) {
+      const fmt::format_int digits(number);
+      out += ' ';
+      out.append(digits.data(), digits.size());
+    }
+    out += '\n';
+  }
   return out;
 }
 

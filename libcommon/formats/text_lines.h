@@ -38,7 +38,7 @@ class TextLines {
       line_ = text_.substr(at_, end - at_);
       at_ = end + 1;
       ++number_;
-      if (line_.find_first_not_of(kBlank) != std::string_view::npos) return true;
+      if (more()) return true;
     }
     return false;
   }
@@ -52,18 +52,25 @@ class TextLines {
 
   /// Next word of the line; empty at the end.
   std::string_view word() {
-    line_.remove_prefix(std::min(line_.find_first_not_of(kBlank), line_.size()));
-    const std::string_view w = line_.substr(0, line_.find_first_of(kBlank));
-    line_.remove_prefix(w.size());
+    skip_blanks();
+    size_t size = 0;
+    while (size < line_.size() && !is_blank(line_[size])) ++size;
+    const std::string_view w = line_.substr(0, size);
+    line_.remove_prefix(size);
     return w;
   }
 
-  bool more() const { return line_.find_first_not_of(kBlank) != std::string_view::npos; }
+  bool more() {
+    skip_blanks();
+    return !line_.empty();
+  }
 
   /// The rest of the line, trimmed.
   std::string_view rest() {
-    line_.remove_prefix(std::min(line_.find_first_not_of(kBlank), line_.size()));
-    return line_.substr(0, line_.find_last_not_of(kBlank) + 1);
+    skip_blanks();
+    size_t size = line_.size();
+    while (size > 0 && is_blank(line_[size - 1])) --size;
+    return line_.substr(0, size);
   }
 
   /// A whole number within [lowest, highest]; `what` names it in the message.
@@ -104,7 +111,13 @@ class TextLines {
   }
 
  private:
-  static constexpr std::string_view kBlank = " \t\r";
+  static bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
+  void skip_blanks() {
+    size_t blanks = 0;
+    while (blanks < line_.size() && is_blank(line_[blanks])) ++blanks;
+    line_.remove_prefix(blanks);
+  }
+
   std::string_view text_, line_;
   std::string file_;
   size_t at_ = 0;

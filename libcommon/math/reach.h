@@ -2,8 +2,8 @@
 // that matters of a scene whose floor or sky may extend a hundred times as far.
 #pragma once
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
-#include <utility>
 #include <vector>
 
 #include "libcommon/math/vec.h"
@@ -26,29 +26,21 @@ struct Extent {
 inline constexpr double kFarShare = 0.02;  ///< of the weight, cut off at either end of each axis
 inline constexpr double kFarMargin = 0.1;  ///< of a side: how far a few points may lie outside
 
-/// The box from quantile `far_share` of the weights to 1 - far_share along each axis, widened by
+/// The box from quantile `far_share` of the places to 1 - far_share along each axis, widened by
 /// kFarMargin of its sides: points that fill a room give the whole room.
-struct WeightedPlace {
-  Vec3d place;
-  double weight = 1;
-};
-inline Extent reach_of(const std::vector<WeightedPlace>& places, double far_share = kFarShare) {
+inline Extent reach_of(const std::vector<Vec3d>& places, double far_share = kFarShare) {
   Extent reach;
-  double total = 0;
-  for (const WeightedPlace& p : places) total += p.weight;
-  if (!(total > 0)) return reach;
-  std::vector<std::pair<double, double>> at(places.size());  // coordinate, weight
+  if (places.empty()) return reach;
+  const auto n = static_cast<double>(places.size());
+  const auto low = static_cast<std::ptrdiff_t>(far_share * n);
+  const auto high = std::max(low, static_cast<std::ptrdiff_t>(std::ceil((1 - far_share) * n)) - 1);
+  std::vector<double> at(places.size());
   for (int axis = 0; axis < 3; ++axis) {
-    for (size_t i = 0; i < places.size(); ++i) at[i] = {places[i].place[axis], places[i].weight};
-    std::sort(at.begin(), at.end());
-    double below = 0;
-    bool within = false;
-    for (const auto& [coordinate, weight] : at) {
-      below += weight;
-      if (!within && below > far_share * total) reach.low[axis] = coordinate, within = true;
-      reach.high[axis] = coordinate;
-      if (below >= (1 - far_share) * total) break;
-    }
+    for (size_t i = 0; i < places.size(); ++i) at[i] = places[i][axis];
+    std::nth_element(at.begin(), at.begin() + low, at.end());
+    reach.low[axis] = at[static_cast<size_t>(low)];
+    std::nth_element(at.begin() + low, at.begin() + high, at.end());
+    reach.high[axis] = at[static_cast<size_t>(high)];
   }
   return reach.widened(reach.size() * kFarMargin);
 }

@@ -172,11 +172,8 @@ Fragments::Fragments(const PatchMap& patches, PatchMap* grow) : patches_(patches
     for (const Fragment& f : part.fragments) fragments_[next[f.patch]++] = f;
 }
 
-void Fragments::keep(const std::vector<uint8_t>& kept) {
-  std::vector<uint32_t> number(kept.size());
-  uint32_t next = 0;
-  for (size_t i = 0; i < kept.size(); ++i) number[i] = kept[i] ? next++ : kNoPatch;
-  for (Fragment& f : fragments_) f.patch = number[f.patch];
+void Fragments::renumber(const std::vector<uint32_t>& numbers) {
+  for (Fragment& f : fragments_) f.patch = numbers[f.patch];
 }
 
 Fragments::Point Fragments::sample(uint32_t f, Rng& rng) const {

@@ -37,8 +37,8 @@ class Fragments {
   /// Ordered by patch, then by face.
   const std::vector<Fragment>& all() const { return fragments_; }
 
-  /// Renumbers the patches as PatchMap::keep does.
-  void keep(const std::vector<uint8_t>& kept);
+  /// `numbers`: of PatchMap::keep, which must have kept all that have fragments.
+  void renumber(const std::vector<uint32_t>& numbers);
 
   struct Point {
     uint32_t patch;

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include <oneapi/tbb/parallel_for.h>
-
 #include "libcommon/flow/potential_sweep.h"
 
 namespace tdpt {
@@ -73,16 +71,16 @@ std::vector<Patch> geometry_of(const PatchMap& patches, const Fragments& fragmen
   return geometry;
 }
 
-PatchTrace trace_of(const PatchMap& patches, const Walks& walks) {
-  PatchTrace trace(walks.size());
-  tbb::parallel_for(size_t{0}, walks.size(), [&](size_t k) {
-    const WalkHit& h = walks[k];
-    trace[k] = h.face == kWalkLeft      ? kNoPatch
-               : h.face == kWalkStopped ? kTraceStopped
-               : to_sky(h)              ? patches.find_sky(h.face - kWalkToSky)
-                                        : patches.find(h.face, Vec3d(h.position));
-  });
-  return trace;
+// Completes the patches of a walk's hits: by the `numbers` that they have now, and with its ends.
+void number_trace(const PatchMap& patches, const Walks& walks, const std::vector<uint32_t>& numbers,
+                  PatchTrace& trace) {
+  for (size_t k = 0; k < walks.size(); ++k)
+    if (walks[k].face == kWalkStopped)
+      trace[k] = kTraceStopped;
+    else if (to_sky(walks[k]))
+      trace[k] = patches.find_sky(walks[k].face - kWalkToSky);
+    else if (trace[k] != kNoPatch)
+      trace[k] = numbers[trace[k]];
 }
 
 // Whether the light and each camera reach one room: some place that a light walk hit can be seen
@@ -189,18 +187,18 @@ LightFlow light_flow(PatchMap patches, const BothWalks& both, const Tracer& trac
   const Scene& scene = f.patches.scene();
   std::vector<const Walks*> all{&both.light.hits};
   for (const Walks& walks : both.cameras) all.push_back(&walks);
-  for (const Walks* walks : all) f.patches.add_all(*walks);
+  std::vector<PatchTrace> traces;
+  for (const Walks* walks : all) traces.push_back(f.patches.add_all(*walks));
 
   Fragments fragments(f.patches, &f.patches);
   std::vector<uint8_t> has_area(f.patches.size(), 0);
   for (const Fragments::Fragment& piece : fragments.all()) has_area[piece.patch] = 1;
-  f.patches.keep(has_area);
-  fragments.keep(has_area);
+  const std::vector<uint32_t> numbers = f.patches.keep(has_area);
+  fragments.renumber(numbers);
   if (!both.light.bin.empty())
     for (uint32_t k = 0; k < kSkyBins; ++k) f.patches.add_sky(k);
+  for (size_t k = 0; k < all.size(); ++k) number_trace(f.patches, *all[k], numbers, traces[k]);
 
-  std::vector<PatchTrace> traces;
-  for (const Walks* walks : all) traces.push_back(trace_of(f.patches, *walks));
   f.lit = lit_cameras(f.patches, tracer, both, traces);
   f.etendue = measure_etendue(f.patches, fragments, tracer, seed, rays, traces);
 

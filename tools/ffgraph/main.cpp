@@ -65,10 +65,9 @@ void declare_options(cli::Options& options, Arguments& a) {
   options.quality();
   options.option("--samples,--set samples", a.samples, kSamples, "N",
                  "Rays for the etendue in each round", 1000, 100000000);
-  options.option(
-      "--set walks", a.walks, kWalks, "N",
-      "Walks from the light, and as many from the camera; from each of several half as many", 1,
-      10000000);
+  options.option("--set walks", a.walks, kWalks, "N",
+                 "Walks from the light, and as many from the camera; several cameras share them", 1,
+                 10000000);
   options.option("--set bounces", a.bounces, "N", "Surfaces that a walk hits at most; default 12",
                  1, 64);
   options.option("--set cells", a.cells, "N",

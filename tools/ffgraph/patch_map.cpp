@@ -125,6 +125,17 @@ std::array<int32_t, 3> cell_at(const Vec3d& q, int level) {
 
 }  // namespace
 
+void PatchTable::set(const PatchKey& key, uint32_t number) {
+  Entry& entry = entries_[place_of(key)];
+  const bool is_new = entry.number == kNoPatch;
+  entry = {key, number};
+  if (!is_new || 2 * ++used_ < entries_.size()) return;
+  std::vector<Entry> old(4 * entries_.size());
+  old.swap(entries_);
+  for (const Entry& e : old)
+    if (e.number != kNoPatch) entries_[place_of(e.key)] = e;
+}
+
 PatchMap::PatchMap(const Scene& scene, const PatchGrid& grid, std::vector<uint32_t> component,
                    const FineRegion& fine)
     : scene_(&scene),
@@ -136,8 +147,8 @@ PatchMap::PatchMap(const Scene& scene, const PatchGrid& grid, std::vector<uint32
 
 PatchMap::Extent PatchMap::extent() const {
   Extent extent;
-  for (const auto& [key, value] : entry_) {
-    if (key.piece == kSkyPiece) continue;
+  for (const auto& [key, value] : entry_.entries()) {
+    if (value == kNoPatch || key.piece == kSkyPiece) continue;
     for (size_t k = 0; k < 3; ++k) {
       const int32_t base = key.cell[k] >> (2 * key.level);
       extent.low[k] = std::min(extent.low[k], base);
@@ -177,31 +188,32 @@ uint32_t PatchMap::find_or_add(uint32_t face, const Vec3d& canonical) {
   return found == kNoPatch ? add(key) : found;
 }
 
-void PatchMap::add_all(const std::vector<WalkHit>& places) {
-  const auto on_face = [&](const WalkHit& p) { return p.face / 2 < component_->size(); };
+std::vector<uint32_t> PatchMap::add_all(const std::vector<WalkHit>& places) {
+  const auto on_face = [&](size_t k) { return places[k].face / 2 < component_->size(); };
+  std::vector<uint32_t> patch(places.size(), kNoPatch);
   // Short blocks first, while most points add a patch.
-  std::vector<uint8_t> is_new;
-  for (size_t first = 0, block = 1 << 10; first < places.size(); first += is_new.size()) {
-    is_new.assign(std::min(block, places.size() - first), 0);
-    tbb::parallel_for(size_t{0}, is_new.size(), [&](size_t k) {
-      const WalkHit& p = places[first + k];
-      is_new[k] = on_face(p) && find(p.face, Vec3d(p.position)) == kNoPatch;
+  for (size_t first = 0, block = 1 << 10; first < places.size();) {
+    const size_t end = std::min(first + block, places.size());
+    tbb::parallel_for(first, end, [&](size_t k) {
+      if (on_face(k)) patch[k] = find(places[k].face, Vec3d(places[k].position));
     });
-    for (size_t k = 0; k < is_new.size(); ++k)
-      if (is_new[k]) find_or_add(places[first + k].face, Vec3d(places[first + k].position));
+    for (; first < end; ++first)
+      if (on_face(first) && patch[first] == kNoPatch)
+        patch[first] = find_or_add(places[first].face, Vec3d(places[first].position));
     block = std::min<size_t>(2 * block, 1 << 18);
   }
+  return patch;
 }
 
 uint32_t PatchMap::add(const PatchKey& key) {
-  const auto [entry, is_new] = entry_.try_emplace(key, size());
-  if (!is_new) return entry->second;
+  if (const uint32_t known = entry_.at(key); known != kNoPatch) return known;
   const uint32_t id = size();
+  entry_.set(key, id);
   keys_.push_back(key);
   PatchKey up = key;
   while (up.level > 0) {
     up = up.parent();
-    entry_[up] = kSplit;
+    entry_.set(up, kSplit);
   }
   if (key.piece >= piece_touched_.size()) piece_touched_.resize(key.piece + 1, 0);
   piece_touched_[key.piece] = 1;
@@ -209,30 +221,39 @@ uint32_t PatchMap::add(const PatchKey& key) {
 }
 
 uint32_t PatchMap::add_sky(uint32_t bin) {
-  const auto [entry, is_new] = entry_.try_emplace(sky_key(bin), size());
-  if (is_new) keys_.push_back(sky_key(bin));
   sky_ = true;
-  return entry->second;
+  if (const uint32_t known = find_sky(bin); known != kNoPatch) return known;
+  entry_.set(sky_key(bin), size());
+  keys_.push_back(sky_key(bin));
+  return size() - 1;
 }
 
-void PatchMap::keep(const std::vector<uint8_t>& kept) {
-  std::erase_if(entry_, [](const auto& entry) { return entry.second != kSplit; });
+std::vector<uint32_t> PatchMap::keep(const std::vector<uint8_t>& kept) {
+  std::vector<uint32_t> numbers(size(), kNoPatch);
   std::vector<PatchKey> keys;
   for (uint32_t i = 0; i < size(); ++i) {
     if (!kept[i]) continue;
-    entry_[keys_[i]] = static_cast<uint32_t>(keys.size());
+    numbers[i] = static_cast<uint32_t>(keys.size());
     keys.push_back(keys_[i]);
   }
   keys_ = std::move(keys);
+  PatchTable table;
+  for (const auto& [key, value] : entry_.entries())
+    if (value == kSplit)
+      table.set(key, kSplit);
+    else if (value != kNoPatch && kept[value])
+      table.set(key, numbers[value]);
+  entry_ = std::move(table);
+  return numbers;
 }
 
 PatchMap PatchMap::split(const std::vector<uint8_t>& chosen) const {
   PatchMap finer = *this;
-  finer.entry_.clear();
+  finer.entry_ = {};
   finer.keys_.clear();
   finer.piece_touched_.clear();
-  for (const auto& [key, value] : entry_)
-    if (value == kSplit || chosen[value]) finer.entry_[key] = kSplit;
+  for (const auto& [key, value] : entry_.entries())
+    if (value == kSplit || (value != kNoPatch && chosen[value])) finer.entry_.set(key, kSplit);
   return finer;
 }
 

@@ -7,7 +7,6 @@
 #include <array>
 #include <cstdint>
 #include <memory>
-#include <unordered_map>
 #include <vector>
 
 #include "libcommon/formats/cut.h"
@@ -38,19 +37,42 @@ struct PatchKey {
   std::array<int32_t, 3> cell{};
   int32_t level = 0;
   uint32_t piece = 0;  ///< 2 * component + side
-  bool operator==(const PatchKey&) const = default;
+  bool operator==(const PatchKey& k) const {
+    return cell[0] == k.cell[0] && cell[1] == k.cell[1] && cell[2] == k.cell[2] &&
+           level == k.level && piece == k.piece;
+  }
 
   PatchKey parent() const { return {{cell[0] >> 2, cell[1] >> 2, cell[2] >> 2}, level - 1, piece}; }
 };
 
-struct HashOfPatchKey {
-  size_t operator()(const PatchKey& k) const {
+/// Numbers by key, kNoPatch where there is none: a hash table with open addressing.
+class PatchTable {
+ public:
+  struct Entry {
+    PatchKey key{};
+    uint32_t number = kNoPatch;
+  };
+  uint32_t at(const PatchKey& key) const { return entries_[place_of(key)].number; }
+  /// `number`: not kNoPatch.
+  void set(const PatchKey& key, uint32_t number);
+  /// Those with number kNoPatch are free.
+  const std::vector<Entry>& entries() const { return entries_; }
+
+ private:
+  size_t place_of(const PatchKey& key) const {
     const auto word = [](int32_t low, uint32_t high) {
       return static_cast<uint32_t>(low) | uint64_t{high} << 32;
     };
-    const uint64_t h = mix64(word(k.cell[0], static_cast<uint32_t>(k.cell[1])));
-    return mix64(h + word(k.cell[2], k.piece) + (static_cast<uint64_t>(k.level) << 28));
+    const uint64_t h = mix64(word(key.cell[0], static_cast<uint32_t>(key.cell[1])));
+    size_t i = mix64(h + word(key.cell[2], key.piece) + (static_cast<uint64_t>(key.level) << 28));
+    for (;; ++i) {
+      const Entry& entry = entries_[i &= entries_.size() - 1];
+      if (entry.number == kNoPatch || entry.key == key) return i;
+    }
   }
+
+  std::vector<Entry> entries_ = std::vector<Entry>(64);  // a power of two
+  size_t used_ = 0;
 };
 
 /// Component of each triangle: triangles connected by edges (half-edge structure over vertices at
@@ -86,20 +108,21 @@ class PatchMap {
   uint32_t find_or_add(uint32_t face, const Vec3d& canonical);
 
   /// Equivalent to find_or_add() of all places on faces in this order, but with parallel look-ups.
-  void add_all(const std::vector<WalkHit>& places);
+  /// The patch of each, kNoPatch where it is on no face.
+  std::vector<uint32_t> add_all(const std::vector<WalkHit>& places);
 
   /// Adds a patch under `key`, and the splits above it.
   uint32_t add(const PatchKey& key);
 
   /// The patch of a bin of the sky (sky_bins.h); kNoPatch before it is added.
-  uint32_t find_sky(uint32_t bin) const { return value_at(sky_key(bin)); }
+  uint32_t find_sky(uint32_t bin) const { return entry_.at(sky_key(bin)); }
   uint32_t add_sky(uint32_t bin);
   bool has_sky() const { return sky_; }
   bool is_sky(uint32_t patch) const { return keys_[patch].piece == kSkyPiece; }
   uint32_t bin_of(uint32_t patch) const { return static_cast<uint32_t>(keys_[patch].cell[0]); }
 
   /// Patch under `key`, kSplit if its cell was split, kNoPatch if there is none.
-  uint32_t lookup(const PatchKey& key) const { return always_split(key) ? kSplit : value_at(key); }
+  uint32_t lookup(const PatchKey& key) const { return always_split(key) ? kSplit : entry_.at(key); }
   /// Whether the parent cell was split because a patch straddled an opening.
   bool below_split(const PatchKey& key) const {
     return key.level > 0 && !always_split(key.parent());
@@ -118,18 +141,15 @@ class PatchMap {
   uint32_t size() const { return static_cast<uint32_t>(keys_.size()); }
   const std::vector<PatchKey>& keys() const { return keys_; }
 
-  /// Removes all other patches and renumbers the kept ones in their order.
-  void keep(const std::vector<uint8_t>& kept);
+  /// Removes all other patches and renumbers the kept ones in their order. The new number of each,
+  /// kNoPatch if it was removed.
+  std::vector<uint32_t> keep(const std::vector<uint8_t>& kept);
 
   /// The map with the cells of the chosen patches split and without patches: these are added again
   /// as points are found in them.
   PatchMap split(const std::vector<uint8_t>& chosen) const;
 
  private:
-  uint32_t value_at(const PatchKey& key) const {
-    const auto entry = entry_.find(key);
-    return entry == entry_.end() ? kNoPatch : entry->second;
-  }
   static PatchKey sky_key(uint32_t bin) {
     return {{static_cast<int32_t>(bin), 0, 0}, 0, kSkyPiece};
   }
@@ -147,7 +167,7 @@ class PatchMap {
   int fine_level_ = 0;
   Vec3d fine_low_{}, fine_high_{};  // in base cells from the origin of the grid
   std::shared_ptr<const std::vector<uint32_t>> component_;
-  std::unordered_map<PatchKey, uint32_t, HashOfPatchKey> entry_;  // a patch, or kSplit
+  PatchTable entry_;  // a patch, or kSplit
   std::vector<PatchKey> keys_;
   std::vector<uint8_t> piece_touched_;
   bool sky_ = false;  // whether the sky has patches

@@ -22,9 +22,9 @@ constexpr uint64_t kSplittingSeed = 0x5eed;
 // Maximum number of openings in series that ffgraph itself looks for.
 constexpr size_t kMostCuts = 8;
 
-// Each of several cameras has this share of the walks of a single one: it also gains from what the
-// others' walks hit.
-constexpr double kOfSeveral = 0.5;
+// Several cameras share the walks of a single one, since the etendue is estimated from those of all
+// together; each has at least one part of so many.
+constexpr uint32_t kMostParts = 8;
 
 // This share of a camera's hits is left out: walks that have passed several openings reach few
 // places.
@@ -83,9 +83,9 @@ PatchMap map_of(const Scene& scene, const std::vector<uint32_t>& component, cons
 Extent reach_of_hits(const std::vector<Walks>& cameras, double share) {
   Extent reach;
   for (const Walks& walks : cameras) {
-    std::vector<WeightedPlace> places;
+    std::vector<Vec3d> places;
     for (const WalkHit& h : walks)
-      if (is_hit(h)) places.push_back({Vec3d(h.position), 1});
+      if (is_hit(h)) places.push_back(Vec3d(h.position));
     reach.add(reach_of(places, share));
   }
   return reach;
@@ -95,8 +95,8 @@ BothWalks both_walks(const Scene& scene, const std::vector<Camera>& cameras, con
                      WalkSettings settings) {
   BothWalks walks;
   WalkSettings each = settings;
-  // The etendue is estimated from the walks of all together.
-  if (cameras.size() > 1) each.walks = static_cast<uint32_t>(kOfSeveral * settings.walks);
+  const auto parts = std::min(static_cast<uint32_t>(cameras.size()), kMostParts);
+  each.walks = (settings.walks + parts - 1) / parts;
   for (const Camera& camera : cameras)
     walks.cameras.push_back(camera_walks(scene, camera, tracer, each));
   if (std::all_of(walks.cameras.begin(), walks.cameras.end(),

@@ -220,10 +220,10 @@ constexpr size_t kMostPlaces = 40000;  // per set of walks, used to find the reg
 
 // Metres.
 Extent reach_of_walks(const Scene& scene, const Walks& walks) {
-  std::vector<WeightedPlace> places;
+  std::vector<Vec3d> places;
   const size_t step = walks.size() / kMostPlaces + 1;
   for (size_t k = 0; k < walks.size(); k += step)
-    if (is_hit(walks[k])) places.push_back({scene.frame.to_metres(Vec3d(walks[k].position)), 1});
+    if (is_hit(walks[k])) places.push_back(scene.frame.to_metres(Vec3d(walks[k].position)));
   return reach_of(places);
 }
 

@@ -55,10 +55,7 @@ void declare_options(cli::Options& options, Arguments& a) {
   options.limit("least-carried", a.limits.least_carried, 0, 1);
   options.limit("straight", a.limits.straight, 0, 1);
   options.limit("seen", a.limits.seen, 0, 1);
-  options.limit("hold", a.limits.hold, 0, 1);
   options.limit("least-drop", a.limits.least_drop, 0, 1);
-  options.limit("loose", a.limits.loose, 0, 1e9);
-  options.limit("most-drops", a.limits.most_drops, 0, 1e9);
 }
 
 constexpr double kFarthest = 1e6;  // sizes of the scene: no program stands a camera beyond
@@ -205,11 +202,10 @@ void cut_patches(const Arguments& a, const cli::Common& common, const DimacsFile
   CutFile& cut = found.file;
   cut.provenance = provenance(a, common, problem);
   phases.done("flow");
-  cli::deliver(
-      {{common.output, [&] { return cut_text(cut); }},
-       {a.preview, [&] { return preview_of(a, common, found); }},
-       {a.debug_glb, [&] { return cut_debug_glb(cuts_for(found, 0)); }}},
-      common, phases);
+  cli::deliver({{common.output, [&] { return cut_text(cut); }},
+                {a.preview, [&] { return preview_of(a, common, found); }},
+                {a.debug_glb, [&] { return cut_debug_glb(cuts_for(found, 0)); }}},
+               common, phases);
   report(common, found, summary);
   common.explain_by([&] { return decisions_of(found, a.limits, phases); });
 }

@@ -54,9 +54,9 @@ struct Ends {
 
 // Length of a line to the sky: a quarter of the patches' extent [metres].
 double skyward(const CutFile& cut) {
-  std::vector<WeightedPlace> places;
+  std::vector<Vec3d> places;
   for (const Patch& p : cut.patches)
-    if (!p.is_sky()) places.push_back({p.centre, 1});
+    if (!p.is_sky()) places.push_back(p.centre);
   return 0.25 * length(reach_of(places).size());
 }
 
