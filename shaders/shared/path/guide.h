@@ -62,7 +62,7 @@ SHARED CrossingDensity edge_crossing(IN(Point) a, IN(Point) b, Drawn drawn) MEMB
     return c;
   }
   c = portal_crossing(from, b.position, drawn);
-  if (far_away) c.from_light = REAL(crossed_along(a.position, b.position, drawn));
+  if (far_away) c.from_light = coverage_along(a.position, b.position, drawn);
   if (!source_met(a.source)) c.density = 0.0f;
   return c;
 }

@@ -4,6 +4,7 @@
 #define TDPT_SHADERS_SHARED_PATH_LIGHTS_LAYOUT_H
 
 #include "shaders/shared/path/point.h"
+#include "shaders/shared/path/portal_layout.h"
 #include "shaders/shared/records.h"
 #include "shaders/shared/rng.h"
 #include "shaders/shared/warp.h"

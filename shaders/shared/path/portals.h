@@ -2,35 +2,44 @@
 // any edge of a path would have been sampled so. Section 3.1.1, eq. 4.
 //
 // A portal is a set of triangles in the air, each with the normal given by its winding: the
-// direction from the light's side to the camera's side.
+// direction from the light's side to the camera's side. A facet F is the set of its triangles in
+// one plane, of area A_F.
 //
-// Portal sampling: a triangle q with probability p(q) in proportion to its area, a point uniform on
-// it (p_A = 1/A_q), a direction with p_w = cos/pi about its normal, traced both ways to the
-// surfaces x_l (light's side) and x_c (camera's side):
+// No outline is exact: light that passes a little beside it would be left to the other techniques.
+// So F has a surround R, the smallest rectangle around it with some space on all sides
+// [portals.cpp], and a share e of its points is uniform on R (defensive sampling: Hesterberg 1995).
+// A point x of its plane has the density
+//   pdf_A(x) = C(x) / A_F,    C(x) = (1-e) n(x) + (x in R) e A_F / A_R,
+// n(x) the number of F's triangles that hold x. C is the facet's coverage; all that follows has the
+// points of portals by this density alone.
+//
+// Portal sampling: a polygon q, triangle or surround, with probability p(q) in proportion to (1-e)
+// A_q or e A_F, a point uniform on it (p_A = 1/A_q), a direction with p_w = cos/pi about its
+// normal, traced both ways to the surfaces x_l (light's side) and x_c (camera's side):
 //   p_AA(x_l, x_c) = G(x_l, x_c) * sum_q p(q) p_A p_w / cos_q                              [eq. 4]
-//                  = G(x_l, x_c) * D,    D = sum over the q crossed of p(q) / (A_q pi).
-// A portal that light crosses both ways has its triangles in both windings, each with its own p(q).
+//                  = G(x_l, x_c) * D,    D = sum over the F crossed of C p(F) / (A_F pi).
+// A portal that light crosses both ways is two facets, one of either winding.
 // The cosine cancels: no grazing singularity. This file computes D [1/(m2 sr)], canonical.
 //
 // Portals in series: if one follows another on the light's way (doors of rooms in a row), little
 // light passes both without touching a wall between them, and a segment through one crosses the
 // other only by chance. So for such pairs (F,G) a share c of the segments is drawn through a point
-// uniform on each of the two, a pair with probability p(F,G):
-//   D = (1-c) sum_q p(q) / (A_q pi)
-//       + c sum over the pairs crossed of p(F,G) d^2 / (A_F A_G cos_F cos_G),
+// on each of the two, a pair with probability p(F,G):
+//   D = (1-c) sum_F C_F p(F) / (A_F pi)
+//       + c sum over the pairs crossed of p(F,G) C_F C_G d^2 / (A_F A_G cos_F cos_G),
 // d the distance between the points where the segment crosses the two.
 //
-// Path guiding [guide.h] aims walks at facets as light sampling aims at lights: a facet is the set
-// of triangles of a portal in one plane. From v, facet F is chosen in proportion to w_F(v), about
-// its solid angle, then a point uniform on it; its direction w has the density
-//   a(w) = sum over the facets F that the ray (v, w) crosses of  w_F(v) / W  * d^2 / (|cos| A_F),
+// Path guiding [guide.h] aims walks at facets as light sampling aims at lights. From v, facet F is
+// chosen in proportion to w_F(v), about its solid angle, then a point on it; its direction w has
+// the density
+//   a(w) = sum over the facets F that the ray (v, w) crosses of  w_F(v) / W  * C d^2 / (|cos| A_F),
 // d the distance to the plane along w, W the sum of w_F(v) over the facets that v can aim at.
 //
 // Precision in floats: crossings are computed from the nearer end of an edge, and distances to a
 // plane are heights over cosines, so that errors do not grow for short edges. Whether an edge has
 // its ends on either side of a plane is decided by their heights everywhere, so that a segment that
 // was drawn through a facet and spans it always crosses it; if known, `Drawn` says which of the
-// facet's triangles it crosses. portal_layout.h gives the margins.
+// facet's polygons it crosses. portal_layout.h gives the margins.
 //
 // Include in a scope that has
 //   load_portal_facet(i) and all others of TABLES_OF_PORTALS [tables.h]
@@ -47,32 +56,35 @@ SHARED REAL portal_height(IN(PortalFacet) f, VEC3 p) MEMBER_CONST {
   return dot(f.normal, p - f.centre);
 }
 
-/// Whether a point of its plane lies in the polygon, at least `inside` (barycentric) from its
+/// Whether a point of its plane lies in the triangle, at least `inside` (barycentric) from its
 /// borders.
-SHARED bool polygon_holds(IN(PortalPolygon) p, VEC3 at, REAL inside) MEMBER_CONST {
+SHARED bool triangle_holds(IN(PortalPolygon) p, VEC3 at, REAL inside) MEMBER_CONST {
   VEC3 d = at - p.p0;
   REAL b1 = dot(p.grad1, d);
   REAL b2 = dot(p.grad2, d);
   return b1 >= inside && b2 >= inside && b1 + b2 <= 1.0f - inside;
 }
 
-/// Number of the facet's triangles crossed at `at`.
-SHARED int portal_crossed(IN(PortalFacet) f, VEC3 at, Drawn drawn) MEMBER_CONST {
+SHARED bool surround_holds(IN(PortalPolygon) p, VEC3 at) MEMBER_CONST {
+  VEC3 d = at - p.p0;
+  REAL b1 = dot(p.grad1, d);
+  REAL b2 = dot(p.grad2, d);
+  return min(b1, b2) >= 0.0f && max(b1, b2) <= 1.0f;
+}
+
+/// C of the facet at `at`, a point of its plane.
+SHARED REAL portal_coverage(IN(PortalFacet) f, VEC3 at, Drawn drawn) MEMBER_CONST {
   int first = int(f.first);
-  int end = int(f.end);
-  bool polygon_here = drawn.polygon >= first && drawn.polygon < end;
-  bool second_here = drawn.second >= first && drawn.second < end;
+  int surround = int(f.end) - 1;
+  bool polygon_here = drawn.polygon >= first && drawn.polygon <= surround;
+  bool second_here = drawn.second >= first && drawn.second <= surround;
   int here = polygon_here ? drawn.polygon : second_here ? drawn.second : -1;
-  VEC3 off = at - f.centre;
-  bool away = here < 0 && dot(off, off) > f.reach2;
-  end = away ? first : end;
-  REAL inside = here < 0 ? 0.0f : f.border;
+  if (here < 0 && !surround_holds(load_portal_polygon(uint(surround)), at)) return 0.0f;
+  REAL inside = here < 0 || here == surround ? 0.0f : f.border;
   int n = 0;
-  for (int i = first; i < end; ++i) {
-    IN(PortalPolygon) polygon = load_portal_polygon(uint(i));
-    n += i == here || polygon_holds(polygon, at, inside) ? 1 : 0;
-  }
-  return n;
+  for (int i = first; i < surround; ++i)
+    n += i == here || triangle_holds(load_portal_polygon(uint(i)), at, inside) ? 1 : 0;
+  return f.surround + (1.0f - REAL(kSurroundShare)) * REAL(n);
 }
 
 /// 1 / |d|; 0 if d is too short.
@@ -86,7 +98,7 @@ SHARED REAL portal_per_length(VEC3 d) MEMBER_CONST {
 SHARED PortalPassage portal_passage(IN(PortalFacet) f, VEC3 from, VEC3 to, VEC3 d, REAL per_length,
                                     bool beyond, Drawn drawn) MEMBER_CONST {
   PortalPassage p;
-  p.triangles = 0;
+  p.coverage = 0.0f;
   REAL slope = dot(f.normal, d);
   if (!(slope > 0.0f)) return p;
   p.before = portal_height(f, from);
@@ -99,7 +111,7 @@ SHARED PortalPassage portal_passage(IN(PortalFacet) f, VEC3 from, VEC3 to, VEC3 
   REAL height = nearer ? p.before : p.after;
   if (abs(height) < kPortalReach * p.cosine) {
     VEC3 at = (nearer ? from : to) - d * (height * reciprocal(slope));
-    p.triangles = portal_crossed(f, at, drawn);
+    p.coverage = portal_coverage(f, at, drawn);
   }
   return p;
 }
@@ -110,17 +122,16 @@ SHARED REAL portal_density_of_pairs(uint k, VEC3 from, VEC3 to, VEC3 d, REAL per
   REAL all = 0.0f;
   IN(PortalFacet) facet = load_portal_facet(k);
   PortalPassage of_f = portal_passage(facet, from, to, d, per_length, false, drawn);
-  REAL per_f = of_f.triangles > 0 ? reciprocal(of_f.cosine) : REAL(0.0f);
-  uint end = of_f.triangles > 0 ? facet.end_pair : 0u;
+  REAL per_f = of_f.coverage > 0.0f ? reciprocal(of_f.cosine) : REAL(0.0f);
+  uint end = of_f.coverage > 0.0f ? facet.end_pair : 0u;
   for (uint i = facet.first_pair; i < end; ++i) {
     IN(PortalPair) pair = load_portal_pair(i);
     PortalPassage of_g =
         portal_passage(load_portal_facet(pair.second), from, to, d, per_length, false, drawn);
-    int ways = of_f.triangles * of_g.triangles;  // combinations of triangles that give this line
-    if (ways > 0) {
+    if (of_g.coverage > 0.0f) {
       REAL per_g = reciprocal(of_g.cosine);
       REAL distance = of_g.before * per_g - of_f.before * per_f;
-      all += REAL(ways) * pair.pdf * (distance * distance) * (per_f * per_g);
+      all += of_f.coverage * of_g.coverage * pair.pdf * (distance * distance) * (per_f * per_g);
     }
   }
   return all;
@@ -142,7 +153,7 @@ SHARED REAL portal_pair_density(uint crossed, VEC3 from, VEC3 to, VEC3 d, REAL p
 }
 
 /// D of [eq. 4] of the segment `from` (light's side) -> `to` (camera's side); 0 if it crosses no
-/// triangle along its normal.
+/// facet along its normal.
 SHARED REAL portal_density(VEC3 from, VEC3 to, Drawn drawn) MEMBER_CONST {
   if (!scene_has_portals) return 0.0f;
   REAL sum = 0.0f;
@@ -152,8 +163,8 @@ SHARED REAL portal_density(VEC3 from, VEC3 to, Drawn drawn) MEMBER_CONST {
   for (uint f = 0u; f < guiding.facets; ++f) {
     IN(PortalFacet) facet = load_portal_facet(f);
     PortalPassage p = portal_passage(facet, from, to, d, per_length, false, drawn);
-    sum += REAL(p.triangles) * facet.density;
-    crossed |= p.triangles > 0 && f < 32u ? 1u << (f & 31u) : 0u;
+    sum += p.coverage * facet.density;
+    crossed |= p.coverage > 0.0f && f < 32u ? 1u << (f & 31u) : 0u;
   }
   if (portals_have_pairs) sum += portal_pair_density(crossed, from, to, d, per_length, drawn);
   return sum;
@@ -181,15 +192,14 @@ SHARED CrossingDensity portal_crossing(VEC3 from, VEC3 to, Drawn drawn) MEMBER_C
   for (uint f = 0u; f < guiding.facets; ++f) {
     IN(PortalFacet) facet = load_portal_facet(f);
     PortalPassage p = portal_passage(facet, from, to, d, per_length, true, drawn);
-    if (p.triangles == 0) continue;
+    if (!(p.coverage > 0.0f)) continue;
     bool begins = p.before < -kPortalMargin;
     bool ends = p.after > kPortalMargin;
-    REAL n = REAL(p.triangles);
-    if (begins && ends) c.density += n * facet.density;
+    if (begins && ends) c.density += p.coverage * facet.density;
     crossed |= begins && ends && f < 32u ? 1u << (f & 31u) : 0u;
     // d^2 / (cos A), where d is the height over the cosine.
     REAL per_cosine = reciprocal(p.cosine);
-    REAL per_area = n * facet.per_area * (per_cosine * per_cosine * per_cosine);
+    REAL per_area = p.coverage * facet.per_area * (per_cosine * per_cosine * per_cosine);
     if (begins) c.from_light += portal_weight(facet, from) * (p.before * p.before) * per_area;
     if (ends) c.from_camera += portal_weight(facet, to) * (p.after * p.after) * per_area;
   }
@@ -197,7 +207,7 @@ SHARED CrossingDensity portal_crossing(VEC3 from, VEC3 to, Drawn drawn) MEMBER_C
   return c;
 }
 
-/// Whether x_l and x_c lie on either side of all triangles that the segment was drawn through: one
+/// Whether x_l and x_c lie on either side of all polygons that the segment was drawn through: one
 /// drawn through a pair and stopped in between is of no use.
 SHARED bool segment_spans(Drawn drawn, VEC3 x_l, VEC3 x_c) MEMBER_CONST {
   for (int i = 0; i < 2; ++i) {
@@ -227,10 +237,10 @@ SHARED uint polygon_picked(uint first, uint end, bool of_all, REAL u) MEMBER_CON
 }
 
 SHARED VEC3 point_in_polygon(uint i, REAL u, REAL v) MEMBER_CONST {
-  REAL b1 = 0.0f;
-  REAL b2 = 0.0f;
-  uniform_triangle(u, v, b1, b2);
   IN(PortalPolygon) p = load_portal_polygon(i);
+  REAL b1 = u;
+  REAL b2 = v;
+  if (i + 1u < load_portal_facet(p.facet).end) uniform_triangle(u, v, b1, b2);
   return p.p0 + (p.e1 * b1 + p.e2 * b2);
 }
 
@@ -276,7 +286,7 @@ SHARED REAL portal_guide_total(bool parallel, VEC3 v, VEC3 facing, uint from) ME
 
 /// Samples a point on a facet that walks from v, or parallel light along v, aim at; W must be that
 /// of portal_guide_total() for the same arguments, and positive. `u`, `v_`: place on the facet;
-/// `pick`: chooses it. Returns the triangle aimed at.
+/// `pick`: chooses it. Returns the polygon aimed at.
 SHARED int draw_on_portal(bool parallel, VEC3 v, VEC3 facing, uint from, REAL W, REAL u, REAL v_,
                           REAL pick, OUT(VEC3) at) MEMBER_CONST {
   REAL rest = pick * W;
@@ -290,7 +300,7 @@ SHARED int draw_on_portal(bool parallel, VEC3 v, VEC3 facing, uint from, REAL W,
     rest -= weight;
     if (rest < 0.0f) break;
   }
-  // The remainder of the number that chose the facet chooses the triangle within it.
+  // The remainder of the number that chose the facet chooses the polygon within it.
   REAL within = min(max(1.0f + rest * reciprocal(weight), 0.0f), 1.0f);
   int polygon = 0;
   at = point_on_facet(chosen, within, u, v_, polygon);
@@ -305,21 +315,21 @@ SHARED int draw_towards_portal(VEC3 v, VEC3 facing, uint from, REAL W, REAL u, R
   return polygon;
 }
 
-/// Number of triangles crossed by the line along d that arrives at `to`.
-SHARED int crossed_along(VEC3 d, VEC3 to, Drawn drawn) MEMBER_CONST {
-  int n = 0;
+/// Sum of C of the facets crossed by the line along d that arrives at `to`.
+SHARED REAL coverage_along(VEC3 d, VEC3 to, Drawn drawn) MEMBER_CONST {
+  REAL sum = 0.0f;
   for (uint f = 0u; f < guiding.facets; ++f) {
     IN(PortalFacet) facet = load_portal_facet(f);
     REAL cosine = dot(facet.normal, d);
     if (!(cosine > kPortalEdgeOn)) continue;
     REAL t = portal_height(facet, to) * reciprocal(cosine);
-    n += portal_crossed(facet, to - d * t, drawn);
+    sum += portal_coverage(facet, to - d * t, drawn);
   }
-  return n;
+  return sum;
 }
 
-/// Samples a segment: two numbers for the place on a triangle, two for the direction, three to
-/// choose triangles. There must be portals.
+/// Samples a segment: two numbers for the place on a polygon, two for the direction, three to
+/// choose polygons. There must be portals.
 SHARED SegmentDraw sample_segment(REAL u0, REAL u1, REAL u2, REAL u3, REAL u4, REAL u5,
                                   REAL u6) MEMBER_CONST {
   SegmentDraw s;

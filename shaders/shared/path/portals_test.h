@@ -110,7 +110,7 @@ SHARED void try_segments(INOUT(Rng) rng, INOUT(PortalTrial) trial) MEMBER_CONST 
   vec3 a = trial_place(rng);
   vec3 b = trial_place(rng);
   tell(trial, portal_crossing(a, b, drawn_otherwise()));
-  tell(trial, crossed_along(s.direction, x_c, drawn_through(s.drawn.polygon)));
+  tell(trial, coverage_along(s.direction, x_c, drawn_through(s.drawn.polygon)));
 }
 
 // Guided walks.

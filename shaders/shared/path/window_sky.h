@@ -9,11 +9,17 @@
 // summed-area table. (The paper's c is the arc tangent, which is as uniform and slower.) A cell
 // holds the luminance of the sky there times solid angle.
 //
-// S_F(x)  light of the sky seen from x through the rectangle of facet F; 0 behind it, if all of it
-//         is below the horizon of the surface at x, and if walls are between
+// As points on a portal, directions are drawn through the rectangle, or with a small share e
+// through a surround that is larger on all sides [portals.h], so that sky seen beside a portal is
+// sampled.
+//
+// S_F(x)  (1-e) times the light of the sky seen from x through the rectangle of facet F, plus e
+// times
+//         that through its surround; 0 behind it, if all of it is below the horizon of the surface
+//         at x, and if walls are between
 // W_F(w)  content of the cell of w over its size, da db
-//   pdf_w(w) = sum over the F whose rectangle the ray (x, w) crosses of
-//              W_F(w) (da db / dw) / sum_F S_F(x)
+//   pdf_w(w) = sum over the F whose surround the ray (x, w) crosses of
+//              (e + (1-e) if it crosses the rectangle) W_F(w) (da db / dw) / sum_F S_F(x)
 //
 // Directions beside the polygon in its rectangle, or hidden, are wasted. The table is an estimate:
 // radiance is taken from the sky itself, and small bright parts are spread over the cells around,
@@ -36,6 +42,13 @@ struct CellRect {
   REAL b1;
 };
 
+struct WindowView {
+  CellRect rect;
+  CellRect surround;
+  REAL in_rect;  ///< the part of S_F through the rectangle alone
+  REAL seen;     ///< S_F; if it is 0, the others have no meaning
+};
+
 SHARED VEC3 to_frame(IN(WindowFrame) frame, VEC3 v) MEMBER_CONST {
   return VEC3(dot(frame.x, v), dot(frame.y, v), dot(frame.z, v));
 }
@@ -45,27 +58,33 @@ SHARED REAL in_cells(IN(WindowFrame) frame, REAL x, REAL z) MEMBER_CONST {
   return (x * reciprocal(z + abs(x)) + 1.0f) * (0.5f * REAL(frame.cells));
 }
 
-/// Whether `at` (in the frame) is inside and a corner of the window is above the horizon.
+/// Whether `at` (in the frame) is inside and a corner of the surround is above the horizon.
 SHARED bool sees_window(IN(SkyWindow) window, IN(WindowFrame) frame, VEC3 at,
                         VEC3 facing) MEMBER_CONST {
   REAL height = window.z - at.z;
   if (!(height > kPlaneMargin)) return false;
   if (is_zero(facing)) return true;
   VEC3 front = to_frame(frame, facing);
-  return front.x * ((front.x > 0.0f ? window.x1 : window.x0) - at.x) +
-             front.y * ((front.y > 0.0f ? window.y1 : window.y0) - at.y) + front.z * height >
+  REAL x = kSurroundMargin * (window.x1 - window.x0);
+  REAL y = kSurroundMargin * (window.y1 - window.y0);
+  return front.x * ((front.x > 0.0f ? window.x1 + x : window.x0 - x) - at.x) +
+             front.y * ((front.y > 0.0f ? window.y1 + y : window.y0 - y) - at.y) +
+             front.z * height >
          0.0f;
 }
 
-/// The sampled rectangle of a window: slightly smaller, so that the density finds every sample in
-/// it.
-SHARED CellRect rect_of(IN(SkyWindow) window, IN(WindowFrame) frame, VEC3 at) MEMBER_CONST {
+/// The sampled rectangle of a window, larger by a share of each side at either end: slightly
+/// smaller, so that the density finds every sample in it.
+SHARED CellRect rect_of(IN(SkyWindow) window, IN(WindowFrame) frame, VEC3 at,
+                        REAL larger) MEMBER_CONST {
   REAL height = window.z - at.z;
   REAL margin = ROUNDING * REAL(frame.cells);
-  CellRect r = {in_cells(frame, window.x0 - at.x, height) + margin,
-                in_cells(frame, window.x1 - at.x, height) - margin,
-                in_cells(frame, window.y0 - at.y, height) + margin,
-                in_cells(frame, window.y1 - at.y, height) - margin};
+  REAL x = larger * (window.x1 - window.x0);
+  REAL y = larger * (window.y1 - window.y0);
+  CellRect r = {in_cells(frame, window.x0 - x - at.x, height) + margin,
+                in_cells(frame, window.x1 + x - at.x, height) - margin,
+                in_cells(frame, window.y0 - y - at.y, height) + margin,
+                in_cells(frame, window.y1 + y - at.y, height) - margin};
   return r;
 }
 
@@ -92,6 +111,7 @@ SHARED REAL content_of_columns(IN(WindowFrame) frame, uint i, uint k, REAL b0,
   return first * (REAL(j + 1u) - b0) + middle + last * (b1 - REAL(l));
 }
 SHARED REAL content_of_rect(IN(WindowFrame) frame, CellRect r) MEMBER_CONST {
+  if (!(r.a0 < r.a1 && r.b0 < r.b1)) return 0.0f;
   uint i = cell_at(frame, r.a0);
   uint k = cell_at(frame, r.a1);
   REAL first = content_of_columns(frame, i, i + 1u, r.b0, r.b1);
@@ -101,28 +121,26 @@ SHARED REAL content_of_rect(IN(WindowFrame) frame, CellRect r) MEMBER_CONST {
   return first * (REAL(i + 1u) - r.a0) + middle + last * (r.a1 - REAL(k));
 }
 
-/// S_F of window i, and its rectangle `r`, meaningless if S_F is 0.
-SHARED REAL seen_through(uint i, VEC3 position, VEC3 facing, OUT(CellRect) r) MEMBER_CONST {
+SHARED WindowView view_of_window(uint i, VEC3 position, VEC3 facing) MEMBER_CONST {
   IN(SkyWindow) window = load_sky_window(i);
   IN(WindowFrame) frame = load_window_frame(window.frame);
   VEC3 at = to_frame(frame, position);
-  r.a0 = 0.0f;
-  r.a1 = 0.0f;
-  r.b0 = 0.0f;
-  r.b1 = 0.0f;
-  if (!sees_window(window, frame, at, facing)) return 0.0f;
-  r = rect_of(window, frame, at);
-  if (!(r.a0 < r.a1 && r.b0 < r.b1)) return 0.0f;
-  return content_of_rect(frame, r) * frame.unit;
+  CellRect none = {0.0f, 1.0f, 0.0f, 1.0f};
+  WindowView view = {none, none, 0.0f, 0.0f};
+  if (!sees_window(window, frame, at, facing)) return view;
+  view.rect = rect_of(window, frame, at, 0.0f);
+  view.surround = rect_of(window, frame, at, kSurroundMargin);
+  view.in_rect = (1.0f - REAL(kSurroundShare)) * content_of_rect(frame, view.rect) * frame.unit;
+  view.seen = view.in_rect + kSurroundShare * content_of_rect(frame, view.surround) * frame.unit;
+  return view;
 }
 
 /// Sum S_F of the sky that all windows show from `position` to a surface that faces `facing` (0:
 /// both ways).
 SHARED REAL seen_through_windows(VEC3 position, VEC3 facing) MEMBER_CONST {
   REAL sum = 0.0f;
-  CellRect r;
   for (uint rest = windows_in_view(position); rest != 0u; rest &= rest - 1u)
-    sum += seen_through(uint(findLSB(rest)), position, facing, r);
+    sum += view_of_window(uint(findLSB(rest)), position, facing).seen;
   return sum;
 }
 
@@ -171,14 +189,16 @@ SHARED VEC3 towards_window(VEC3 position, VEC3 facing, REAL seen, REAL pick, REA
   REAL left = pick * seen;
   uint chosen = 0u;
   CellRect of_chosen = {0.0f, 1.0f, 0.0f, 1.0f};
-  CellRect r;
   for (uint rest = windows_in_view(position); rest != 0u && left >= 0.0f; rest &= rest - 1u) {
     uint i = uint(findLSB(rest));
-    REAL through = seen_through(i, position, facing, r);
-    if (!(through > 0.0f)) continue;
+    WindowView view = view_of_window(i, position, facing);
+    if (!(view.seen > 0.0f)) continue;
     chosen = i;
-    of_chosen = r;
-    left = left < through ? -1.0f : left - through;
+    if (left < view.in_rect)
+      of_chosen = view.rect;
+    else
+      of_chosen = view.surround;
+    left = left < view.seen ? -1.0f : left - view.seen;
   }
   IN(WindowFrame) frame = load_window_frame(load_sky_window(chosen).frame);
   REAL a = drawn_along(frame, false, 0u, of_chosen, u);
@@ -215,10 +235,14 @@ SHARED REAL windows_pdf_w(VEC3 position, VEC3 facing, REAL seen, VEC3 towards) M
     REAL height = window.z - at.z;
     REAL x = local.x * height;
     REAL y = local.y * height;
-    if (x < (window.x0 - at.x) * local.z || x > (window.x1 - at.x) * local.z ||
-        y < (window.y0 - at.y) * local.z || y > (window.y1 - at.y) * local.z)
-      continue;
-    if (sees_window(window, frame, at, facing)) sum += density_in_frame(frame, local) * frame.unit;
+    // Distances beside the rectangle, > 0 outside.
+    REAL off_x = max((window.x0 - at.x) * local.z - x, x - (window.x1 - at.x) * local.z);
+    REAL off_y = max((window.y0 - at.y) * local.z - y, y - (window.y1 - at.y) * local.z);
+    REAL more = kSurroundMargin * local.z;
+    if (off_x > more * (window.x1 - window.x0) || off_y > more * (window.y1 - window.y0)) continue;
+    REAL share = max(off_x, off_y) > 0.0f ? REAL(kSurroundShare) : REAL(1.0f);
+    if (sees_window(window, frame, at, facing))
+      sum += share * density_in_frame(frame, local) * frame.unit;
   }
   return sum * reciprocal(max(seen, 1e-30f));
 }

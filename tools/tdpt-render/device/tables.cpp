@@ -197,12 +197,6 @@ float border_of(const shader::PortalPolygonOf<double>& q) {
   return static_cast<float>(std::min(kOff * steepest, kMost));
 }
 
-float reach2_of(double reach2) {
-  constexpr double kOff = 1e-5;
-  const double reach = std::sqrt(reach2) + kOff;
-  return static_cast<float>(reach * reach);
-}
-
 }  // namespace
 
 PortalTables::PortalTables(const PortalSet& set) {
@@ -210,7 +204,6 @@ PortalTables::PortalTables(const PortalSet& set) {
   for (const auto& f : set.tables_->facets) {
     shader::PortalFacet& out = facets.emplace_back(shader::PortalFacet(f));
     out.area = held(f.area);
-    out.reach2 = reach2_of(f.reach2);
     out.density = held(f.density);
     out.per_area = held(f.per_area);
   }
@@ -218,8 +211,8 @@ PortalTables::PortalTables(const PortalSet& set) {
     shader::PortalPolygon& out = polygons.emplace_back(shader::PortalPolygon(q));
     out.grad1 = held(q.grad1);
     out.grad2 = held(q.grad2);
-    float& border = facets[q.facet].border;
-    border = std::max(border, border_of(q));
+    shader::PortalFacet& f = facets[q.facet];
+    if (polygons.size() < f.end) f.border = std::max(f.border, border_of(q));
   }
   for (const Vec3d& corner : set.tables_->corners) corners.push_back({Vec3f(corner), 0});
   for (const auto& pair : set.tables_->pairs) {

@@ -105,12 +105,11 @@ inline double sample_work(const Vista& vista, const Mixture& mixture, const Work
   if (!openings.windows.empty() && mixture.looks_out())
     closest +=
         costs.looking_out + costs.window * static_cast<double>(openings.windows.windows().size());
-  const auto size = static_cast<int>(openings.portals.size());
-  double portal = costs.portal + costs.portal_triangle * size;
-  if (size > 0 && mixture.guiding != Guiding{}) {
-    const double facets = 1.0 + openings.portals.polygon(size - 1).facet;
+  const auto facets = static_cast<double>(openings.portals.facets());
+  const double triangles = static_cast<double>(openings.portals.size()) - facets;
+  double portal = costs.portal + costs.portal_triangle * triangles;
+  if (facets > 0 && mixture.guiding != Guiding{})
     portal += costs.directed + (facets > 1 ? costs.facets + costs.facet * facets : 0);
-  }
   const double n = static_cast<double>(std::max<uint64_t>(samples, 1));
   return costs.sample + closest * static_cast<double>(rays.closest) / n +
          costs.shadow * static_cast<double>(rays.shadow) / n +

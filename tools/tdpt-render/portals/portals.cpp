@@ -31,6 +31,35 @@ FlatPortal turned_round(FlatPortal flat) {
   return flat;
 }
 
+// The smallest rectangle around the triangles that has a side along a side of one of them, enlarged
+// by kSurroundMargin; its normal is theirs.
+struct Surround {
+  Vec3d corner, x, y;
+};
+Surround surround_of(const FlatPortal& flat) {
+  const double more = shader::kSurroundMargin;
+  Surround best;
+  double least = HUGE_VAL;
+  for (const Corners& t : flat.triangles)
+    for (size_t i = 0; i < 3; ++i) {
+      const Vec3d x = normalize(t[(i + 1) % 3] - t[i]), y = cross(flat.normal, x);
+      double x0 = HUGE_VAL, x1 = -HUGE_VAL, y0 = HUGE_VAL, y1 = -HUGE_VAL;
+      for (const Corners& of : flat.triangles)
+        for (const Vec3d& corner : of) {
+          x0 = std::min(x0, dot(x, corner - t[i])), x1 = std::max(x1, dot(x, corner - t[i]));
+          y0 = std::min(y0, dot(y, corner - t[i])), y1 = std::max(y1, dot(y, corner - t[i]));
+        }
+      // Of equals the first.
+      const double area = (x1 - x0) * (y1 - y0);
+      if (!(area < least * (1 - 1e-9))) continue;
+      least = area;
+      const Vec3d along = x * (x1 - x0), across = y * (y1 - y0);
+      best = {t[i] + x * x0 + y * y0 - (along + across) * more, along * (1 + 2 * more),
+              across * (1 + 2 * more)};
+    }
+  return best;
+}
+
 }  // namespace
 
 FlatPortal flattened(const Portal& portal, const Frame& frame) {
@@ -84,15 +113,17 @@ PortalSet::PortalSet(const std::vector<Portal>& portals, const Frame& frame) {
   guiding.facets = static_cast<uint32_t>(tables_->facets.size());
   guiding.polygons = static_cast<uint32_t>(tables_->polygons.size());
   if (empty()) return;
-  std::vector<double> areas;
+  std::vector<double> areas;  // p(q), up to a factor
   double total = 0;
-  for (const auto& q : tables_->polygons) {
-    areas.push_back(0.5 * length(cross(q.e1, q.e2)));
-    total += areas.back();
+  for (const PortalFacet& f : tables_->facets) {
+    for (uint32_t i = f.first; i + 1 < f.end; ++i)
+      areas.push_back((1 - Real{kSurroundShare}) * polygon(static_cast<int>(i)).area);
+    areas.push_back(Real{kSurroundShare} * f.area);
+    total += f.area;
   }
   set_cumulative_shares(areas,
                         [&](size_t i, double end) { tables_->polygons[i].end_of_all = end; });
-  // p(q) = A_q / total, so p(q) / (A_q pi) is the same for every triangle.
+  // p(F) = A_F / total, so p(F) / (A_F pi) is the same for every facet.
   for (PortalFacet& f : tables_->facets) f.density = 1 / (total * std::numbers::pi);
   make_pairs();
 }
@@ -106,32 +137,37 @@ void PortalSet::add_facet(const FlatPortal& flat, uint32_t portal) {
   f.first_corner = static_cast<uint32_t>(tables_->corners.size());
   std::vector<double> areas;
   for (const Corners& corners : flat.triangles) {
-    const double twice = length(twice_area(corners));
-    auto& q = tables_->polygons.emplace_back();
-    q.portal = portal;
-    q.facet = static_cast<uint32_t>(tables_->facets.size());
-    q.p0 = corners[0];
-    q.e1 = corners[1] - q.p0;
-    q.e2 = corners[2] - q.p0;
-    q.grad1 = cross(q.e2, f.normal) / twice;
-    q.grad2 = cross(f.normal, q.e1) / twice;
-    const double area = 0.5 * twice;
+    add_polygon(corners[0], corners[1] - corners[0], corners[2] - corners[0], f.normal, portal);
+    const double area = 0.5 * length(twice_area(corners));
     f.centre = (f.centre * f.area + centre(corners) * area) / (f.area + area);
     f.area += area;
     for (const Vec3d& corner : corners)
       if (std::none_of(tables_->corners.begin() + f.first_corner, tables_->corners.end(),
                        [&](const Vec3d& c) { return length(c - corner) < 1e-9; }))
         tables_->corners.push_back(corner);
-    areas.push_back(area);
+    areas.push_back((1 - Real{kSurroundShare}) * area);
   }
+  const Surround surround = surround_of(flat);
+  add_polygon(surround.corner, surround.x, surround.y, f.normal, portal);
+  areas.push_back(Real{kSurroundShare} * f.area);
+  f.surround = Real{kSurroundShare} * f.area / length(cross(surround.x, surround.y));
   f.end = static_cast<uint32_t>(tables_->polygons.size());
   f.end_corner = static_cast<uint32_t>(tables_->corners.size());
-  for (const Vec3d& corner : corners_of(f))
-    f.reach2 = std::max(f.reach2, (1 + kBorder) * dot(corner - f.centre, corner - f.centre));
   f.per_area = 1 / f.area;
   set_cumulative_shares(
       areas, [&](size_t i, double end) { tables_->polygons[f.first + i].end_of_facet = end; });
   tables_->facets.push_back(f);
+}
+
+void PortalSet::add_polygon(const Vec3d& p0, const Vec3d& e1, const Vec3d& e2, const Vec3d& normal,
+                            uint32_t portal) {
+  auto& q = tables_->polygons.emplace_back();
+  q.portal = portal;
+  q.facet = static_cast<uint32_t>(tables_->facets.size());
+  q.p0 = p0, q.e1 = e1, q.e2 = e2;
+  const double twice = length(cross(e1, e2));
+  q.grad1 = cross(e2, normal) / twice;
+  q.grad2 = cross(normal, e1) / twice;
 }
 
 void PortalSet::make_pairs() {

@@ -76,7 +76,7 @@ class PortalSet {
   };
   struct PortalPassage {
     double before, after, cosine;
-    int triangles;
+    double coverage;
   };
   struct PortalCorner {
     Vec3d at;
@@ -112,14 +112,22 @@ class PortalSet {
   }
   SegmentDraw sample(tdpt::Rng& rng) const;
 
-  /// One triangle.
+  /// A triangle, or the surround of a facet.
   struct Polygon : PortalPolygon {
     Vec3d normal;
+    bool surround;
+    double area;
     double density;  ///< (1-c) p(q) / (A_q pi)
   };
+  bool holds(const Polygon& q, const Vec3d& at) const {
+    return q.surround ? surround_holds(q, at) : triangle_holds(q, at, 0);
+  }
   Polygon polygon(int i) const {
     const PortalPolygon& q = load_portal_polygon(static_cast<uint>(i));
-    return {q, load_portal_facet(q.facet).normal, load_portal_facet(q.facet).density};
+    const PortalFacet& f = load_portal_facet(q.facet);
+    const bool surround = static_cast<uint>(i) + 1 == f.end;
+    return {q, f.normal, surround, length(cross(q.e1, q.e2)) * (surround ? 1 : 0.5),
+            f.density * (surround ? f.surround : 1 - Real{kSurroundShare})};
   }
 
  private:
@@ -127,6 +135,8 @@ class PortalSet {
   friend struct tdpt::PortalTables;
 
   void add_facet(const FlatPortal& flat, uint32_t portal);
+  void add_polygon(const Vec3d& p0, const Vec3d& e1, const Vec3d& e2, const Vec3d& normal,
+                   uint32_t portal);
   void make_pairs();
 
   struct Tables {

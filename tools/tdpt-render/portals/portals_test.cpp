@@ -17,13 +17,18 @@ Portal far_square() {
   return {"b", {{5, 0, 0}, {5, 2, 0}, {5, 2, 1}, {5, 0, 1}}, {{0, 1, 2}, {0, 2, 3}}, {}};
 }
 const Frame kMetres{};
+// C of a rectangle within it, and beside it in its surround.
+const double kShare = shader::kSurroundShare, kLarger = 1 + 2 * double{shader::kSurroundMargin};
+const double kBeside = kShare / (kLarger * kLarger), kWithin = 1 - kShare + kBeside;
 
 TEST(portals, density_is_p_q_over_area_and_pi) {
   const PortalSet one({square()}, kMetres);
-  EXPECT_DOUBLE_EQ(one.density({0.3, 0.2, -1}, {0.3, 0.2, 1}), 1 / std::numbers::pi);
-  EXPECT_DOUBLE_EQ(one.density({0.2, 0.7, -1}, {0.2, 0.8, 9}), 1 / std::numbers::pi);
+  EXPECT_DOUBLE_EQ(one.density({0.3, 0.2, -1}, {0.3, 0.2, 1}), kWithin / std::numbers::pi);
+  EXPECT_DOUBLE_EQ(one.density({0.2, 0.7, -1}, {0.2, 0.8, 9}), kWithin / std::numbers::pi);
+  for (const double x : {-0.09, 1.09})
+    EXPECT_DOUBLE_EQ(one.density({x, 0.2, -1}, {x, 0.2, 1}), kBeside / std::numbers::pi);
   const PortalSet two({square(), far_square()}, kMetres);  // total area 3
-  EXPECT_DOUBLE_EQ(two.density({0.3, 0.2, -1}, {0.3, 0.2, 1}), 1 / (3 * std::numbers::pi));
+  EXPECT_DOUBLE_EQ(two.density({0.3, 0.2, -1}, {0.3, 0.2, 1}), kWithin / (3 * std::numbers::pi));
 }
 
 TEST(portals, a_segment_that_crosses_two_portals_has_both_densities) {
@@ -33,8 +38,9 @@ TEST(portals, a_segment_that_crosses_two_portals_has_both_densities) {
   above.vertices[1].z = above.vertices[2].z = -0.1;
   const PortalSet set({square(), above}, kMetres);
   ASSERT_EQ(set.pairs(), 0u);
-  EXPECT_NEAR(set.density({0.3, 0.95, -1}, {0.3, 0.95, 1}), 2 * set.polygon(0).density, 1e-12);
-  EXPECT_NEAR(set.density({0.3, 0.95, -1}, {0.3, 0.95, 0.2}), set.polygon(0).density, 1e-12);
+  const double each = kWithin / (1 - kShare) * set.polygon(0).density;
+  EXPECT_NEAR(set.density({0.3, 0.95, -1}, {0.3, 0.95, 1}), 2 * each, 1e-12);
+  EXPECT_NEAR(set.density({0.3, 0.95, -1}, {0.3, 0.95, 0.2}), each, 1e-12);
 }
 
 TEST(portals, one_behind_the_other_has_segments_drawn_through_both) {
@@ -44,16 +50,37 @@ TEST(portals, one_behind_the_other_has_segments_drawn_through_both) {
   EXPECT_EQ(set.pairs(), 1u);
   // Three quarters of two portals, and a quarter of a pair half a metre apart.
   EXPECT_DOUBLE_EQ(set.density({0.3, 0.2, -1}, {0.3, 0.2, 1}),
-                   0.75 / std::numbers::pi + 0.25 * 0.5 * 0.5);
-  EXPECT_DOUBLE_EQ(set.density({0.3, 0.2, -1}, {0.3, 0.2, 0.2}), 0.75 / (2 * std::numbers::pi));
+                   0.75 * kWithin / std::numbers::pi + 0.25 * kWithin * kWithin * 0.5 * 0.5);
+  EXPECT_DOUBLE_EQ(set.density({0.3, 0.2, -1}, {0.3, 0.2, 0.2}),
+                   0.75 * kWithin / (2 * std::numbers::pi));
   // At an angle of 45 degrees: d^2 = 0.5, cosines 1 / sqrt 2.
   EXPECT_NEAR(set.density({-0.7, 0.2, -1}, {1.3, 0.2, 1}),
-              0.75 / std::numbers::pi + 0.25 * 0.5 / 0.5, 1e-12);
+              0.75 * kWithin / std::numbers::pi + 0.25 * kWithin * kWithin * 0.5 / 0.5, 1e-12);
   // A segment drawn through both and stopped in between does not span the pair.
-  EXPECT_TRUE(set.segment_spans({0, 2}, {0.3, 0.2, -1}, {0.3, 0.2, 1}));
-  EXPECT_FALSE(set.segment_spans({0, 2}, {0.3, 0.2, -1}, {0.3, 0.2, 0.2}));
-  EXPECT_FALSE(set.segment_spans({0, 2}, {0.3, 0.2, 0.1}, {0.3, 0.2, 1}));
+  EXPECT_TRUE(set.segment_spans({0, 3}, {0.3, 0.2, -1}, {0.3, 0.2, 1}));
+  EXPECT_FALSE(set.segment_spans({0, 3}, {0.3, 0.2, -1}, {0.3, 0.2, 0.2}));
+  EXPECT_FALSE(set.segment_spans({0, 3}, {0.3, 0.2, 0.1}, {0.3, 0.2, 1}));
   EXPECT_TRUE(set.segment_spans({0, -1}, {0.3, 0.2, -1}, {0.3, 0.2, 0.2}));
+}
+
+// Whatever the outline, its surround is a rectangle that holds all corners with a tenth of a side
+// to spare, and the smallest of a side along one of the outline's.
+TEST(portals, the_surround_is_a_rectangle_a_tenth_larger_on_all_sides) {
+  const Onb<double> onb(normalize(Vec3d(0.3, 0.8, -0.5)));
+  Portal bent = square();  // an L, and a triangle far from it
+  bent.vertices = {{0, 0, 0}, {3, 0, 0}, {3, 1, 0}, {1, 1, 0}, {1, 2, 0}, {0, 2, 0}, {4, 2, 0}};
+  bent.triangles = {{0, 1, 2}, {0, 2, 3}, {0, 3, 4}, {0, 4, 5}, {1, 6, 2}};
+  for (Vec3d& v : bent.vertices) v = onb.to_world(v);
+  const PortalSet set({bent}, kMetres);
+  const PortalSet::Polygon& r = set.polygon(5);
+  ASSERT_TRUE(r.surround && set.size() == 6);
+  EXPECT_NEAR(dot(r.e1, r.e2), 0, 1e-12);
+  EXPECT_NEAR(r.area, 4 * 2 * kLarger * kLarger, 1e-12);
+  for (const Vec3d& v : bent.vertices) {
+    const double b1 = dot(r.grad1, v - r.p0), b2 = dot(r.grad2, v - r.p0);
+    EXPECT_GT(std::min(b1, b2), shader::kSurroundMargin / kLarger - 1e-12);
+    EXPECT_LT(std::max(b1, b2), 1 - shader::kSurroundMargin / kLarger + 1e-12);
+  }
 }
 
 TEST(portals, a_planted_fault_scales_the_density_of_triangles_and_pairs_and_no_sample) {
@@ -86,7 +113,13 @@ TEST(portals, no_density_against_the_normal_beside_the_portal_or_short_of_it) {
 
 TEST(portals, the_sampled_polygon_is_always_counted) {
   const PortalSet set({square()}, kMetres);
-  EXPECT_GT(set.density({1.0000001, 0.2, -1}, {1.0000001, 0.2, 1}, {0, -1}), 0);
+  EXPECT_DOUBLE_EQ(set.density({1.0000001, 0.2, -1}, {1.0000001, 0.2, 1}, {0, -1}),
+                   kWithin / std::numbers::pi);
+  EXPECT_DOUBLE_EQ(set.density({1.1000001, 0.2, -1}, {1.1000001, 0.2, 1}, {2, -1}),
+                   kBeside / std::numbers::pi);
+  // One drawn in the surround may cross the border of two triangles anywhere.
+  EXPECT_DOUBLE_EQ(set.density({0.50001, 0.5, -1}, {0.50001, 0.5, 1}, {2, -1}),
+                   kWithin / std::numbers::pi);
 }
 
 TEST(portals, a_segment_that_ends_in_the_portals_plane_has_no_density) {
@@ -137,7 +170,7 @@ TEST(portals, a_polygon_of_single_precision_vertices_is_one_facet) {
       const double area = 0.06 * frame.scale * frame.scale;
       const Vec3d through = first.p0 + (first.e1 + first.e2) / 3;
       EXPECT_NEAR(set.density(through - first.normal, through + first.normal),
-                  1 / (area * std::numbers::pi), 1e-3 / area);
+                  kWithin / (area * std::numbers::pi), 1e-3 / area);
       // In any order.
       std::rotate(portal.triangles.begin(), portal.triangles.begin() + 1, portal.triangles.end());
       for (size_t i = 0; i + 3 < portal.triangles.size(); i += 2)
@@ -160,7 +193,7 @@ TEST(portals, a_portal_lies_in_the_mean_plane_of_its_triangles_and_faces_as_most
   p.triangles = {{0, 1, 4}, {1, 4, 2}, {2, 3, 4}, {3, 0, 4}};  // the second faces back
   EXPECT_EQ(flattened(p, kMetres).normal, Vec3d(0, 0, 1));
   EXPECT_DOUBLE_EQ(PortalSet({p}, kMetres).density({0.9, 0.5, -1}, {0.9, 0.5, 1}),
-                   1 / std::numbers::pi);
+                   kWithin / std::numbers::pi);
   for (auto& t : p.triangles) std::swap(t[1], t[2]);
   EXPECT_EQ(flattened(p, kMetres).normal, Vec3d(0, 0, -1));
   EXPECT_TRUE(flattened({"none", {}, {}, {}}, kMetres).triangles.empty());
@@ -199,19 +232,20 @@ double worst_of_triangles(const PortalSet& set, double fault) {
       const PortalSet::Polygon& q = set.polygon(static_cast<int>(k));
       const double slope = dot(q.normal, to - from);
       const Vec3d at = from + (to - from) * (dot(q.normal, q.p0 - from) / slope);
-      if (!(slope > 0) || !set.polygon_holds(q, at, 0)) continue;
-      add(k, value);
+      if (!(slope > 0) || !set.holds(q, at)) continue;
+      if (!q.surround) add(k, value);  // few samples are beside one portal
       all += value;
     }
     add(set.size(), all);
   }
   for (size_t k = 0; k < set.size(); ++k) {
     const PortalSet::Polygon& q = set.polygon(static_cast<int>(k));
-    expected[k] = 0.5 * length(cross(q.e1, q.e2)) * std::numbers::pi;
+    expected[k] = q.area * std::numbers::pi;
     expected.back() += expected[k];
   }
   double worst = 0;
   for (size_t k = 0; k < expected.size(); ++k) {
+    if (!(sum[k] > 0)) continue;
     const double mean = sum[k] / kSamples;
     const double error = std::sqrt((squares[k] / kSamples - mean * mean) / kSamples);
     worst = std::max(worst, std::abs(mean - expected[k]) / error);
@@ -234,7 +268,7 @@ TEST(portals, of_many_portals_the_strongest_pairs_are_drawn) {
   }
   // The pairs straight above each other are the strongest and are kept.
   const auto pairs_of = [&](const Vec3d& from, const Vec3d& to) {
-    return sixty.density(from, to) - 2 * sixty.polygon(0).density > 1e-6;
+    return sixty.density(from, to) - 2 * kWithin / (1 - kShare) * sixty.polygon(0).density > 1e-6;
   };
   for (int place = 0; place < 30; ++place) {
     const Vec3d at(0.1 + 0.3 * (place % 5), 0.04 + 0.2 * (place / 5), 0);
@@ -252,16 +286,18 @@ TEST(portals, degenerate_triangles_are_dropped_and_no_portal_is_empty) {
   EXPECT_TRUE(PortalSet({}, kMetres).empty());
 }
 
-// Samples of two squares binned by square (1:2 by area), quarter of the square and cos^2 (cos^2 is
-// uniform for a cosine distribution); chi-square against probabilities skewed by `fault`.
+// Samples of the triangles of two squares binned by square (1:2 by area), quarter of the square and
+// cos^2 (cos^2 is uniform for a cosine distribution); chi-square against probabilities skewed by
+// `fault`.
 bool samples_hold(double fault) {
   const PortalSet set({square(), far_square()}, kMetres);
   std::array<double, 2 * 4 * 4> hits{}, expected{};
   Rng rng(9, 0, 0);
   const int n = 200000;
   for (int i = 0; i < n; ++i) {
-    const PortalSet::SegmentDraw s = set.sample(rng);
-    const bool far = s.drawn.polygon >= 2;
+    PortalSet::SegmentDraw s = set.sample(rng);
+    while (set.polygon(s.drawn.polygon).surround) s = set.sample(rng);
+    const bool far = set.polygon(s.drawn.polygon).facet > 0;
     const double u = far ? s.position.y / 2 : s.position.x;
     const double v = far ? s.position.z : s.position.y;
     const double c = dot(s.direction, set.polygon(s.drawn.polygon).normal);

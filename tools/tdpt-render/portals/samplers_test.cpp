@@ -7,7 +7,7 @@
 #include "libcommon/scene/film_plane.h"
 #include "libcommon/scene/lights.h"
 #include "libcommon/testing/statistics/chi_square.h"
-#include "tools/tdpt-render/portals/portals.h"
+#include "tools/tdpt-render/testing/faults.h"
 
 namespace tdpt::samplers_test {
 
@@ -25,6 +25,12 @@ size_t triangle_bin(double b1, double b2) {
       x + y - static_cast<double>(i + j) > 1 && i + j + 1 < kLattice;  // not on the diagonal
   // Row i starts after the 2 kLattice - 1, 2 kLattice - 3, ... bins of the rows before it.
   return i * (2 * kLattice - i) + 2 * j + (upper ? 1 : 0);
+}
+size_t square_bin(double b1, double b2) {
+  const auto index = [](double b) {
+    return std::min(static_cast<size_t>(std::max(b * kLattice, 0.0)), kLattice - 1);
+  };
+  return index(b1) * kLattice + index(b2);
 }
 
 double uniform_on_triangle(double exponent) {
@@ -174,19 +180,19 @@ Frame halved() {
   return f;
 }
 
-// Points in bins of equal area in each triangle; `fault` scales the share of the first triangle.
+// Points in bins of equal area in each polygon; `fault` scales the share of the first triangle.
 double portal_points(const std::vector<Portal>& portals, double fault) {
   const PortalSet set(portals, halved());
-  std::vector<double> areas;
+  std::vector<double> shares;
   double total = 0;
   for (int q = 0; q < static_cast<int>(set.size()); ++q) {
-    areas.push_back(0.5 * length(cross(set.polygon(q).e1, set.polygon(q).e2)));
-    total += areas.back();
+    shares.push_back(set.polygon(q).density * set.polygon(q).area);
+    total += shares.back();
   }
   std::vector<double> probability;
-  for (size_t q = 0; q < areas.size(); ++q)
+  for (size_t q = 0; q < shares.size(); ++q)
     for (size_t k = 0; k < kTriangleBins; ++k)
-      probability.push_back(areas[q] * (q == 0 ? fault : 1) / total / kTriangleBins);
+      probability.push_back(shares[q] * (q == 0 ? fault : 1) / total / kTriangleBins);
   return chi_square_of_samples(kSamples, probability,
                                [&](uint64_t i) {
                                  Rng rng(35, 0, i);
@@ -194,8 +200,9 @@ double portal_points(const std::vector<Portal>& portals, double fault) {
                                  const PortalSet::Polygon& q = set.polygon(s.drawn.polygon);
                                  const Vec3d at = s.position - q.p0;
                                  EXPECT_NEAR(dot(q.normal, at), 0, 1e-12);
+                                 const double b1 = dot(q.grad1, at), b2 = dot(q.grad2, at);
                                  return static_cast<size_t>(s.drawn.polygon) * kTriangleBins +
-                                        triangle_bin(dot(q.grad1, at), dot(q.grad2, at));
+                                        (q.surround ? square_bin(b1, b2) : triangle_bin(b1, b2));
                                })
       .p;
 }
@@ -244,9 +251,9 @@ TEST(samplers, twin_directions_through_portals_taken_for_uniform) {
 template <class Density>
 ChiSquare portal_segments(const std::vector<Portal>& portals, Density density) {
   const PortalSet set(portals, Frame{});
-  // Points [-1,3]^2 of the plane z = 0.3; direction by its x/z and y/z in [-1,1]^2.
-  constexpr int kBins = 4, kParts = 9, kSide = kBins * kParts;
-  constexpr double kFar = 20, kHeight = 0.3;
+  // Points [-1,3]^2 of the plane z = 0.4; direction by its x/z and y/z in [-1,1]^2.
+  constexpr int kBins = 4, kParts = 10, kSide = kBins * kParts;
+  constexpr double kFar = 20, kHeight = 0.4;
   const auto d_of = [&](const Vec3d& at, const Vec3d& w) {
     return density(set, at - w * kFar, at + w * kFar, w.z);
   };
@@ -296,6 +303,13 @@ TEST(samplers, twin_a_density_of_the_first_portal_alone) {
     return std::min(set.density(from, to), set.polygon(0).density);
   };
   EXPECT_LT(portal_segments(portal_sets()[2], first).p, kWrong);
+}
+TEST(samplers, twin_a_density_without_the_surrounds) {
+  const PortalSet spoilt = PortalSetFaults::without_surrounds(PortalSet(portal_sets()[0], Frame{}));
+  const auto without = [&](const PortalSet&, const Vec3d& from, const Vec3d& to, double) {
+    return spoilt.density(from, to);
+  };
+  EXPECT_LT(portal_segments(portal_sets()[0], without).p, kWrong);
 }
 TEST(samplers, twin_a_density_without_the_pairs) {
   const auto alone = [](const PortalSet& set, const Vec3d& from, const Vec3d& to, double) {

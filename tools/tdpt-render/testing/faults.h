@@ -13,6 +13,12 @@ struct PortalSetFaults {
     for (auto& pair : set.tables_->pairs) pair.pdf *= factor;
     return set;
   }
+  /// Knows of no sample that was drawn in a surround.
+  static PortalSet without_surrounds(PortalSet set) {
+    set.tables_ = std::make_shared<PortalSet::Tables>(*set.tables_);
+    for (auto& f : set.tables_->facets) f.surround = 0;
+    return set;
+  }
   /// `factor` times that of segments to +x (along_x = 1) or to -x (-1).
   static void scale_one_way(PortalSet& set, double along_x, double factor) {
     set.tables_ = std::make_shared<PortalSet::Tables>(*set.tables_);

@@ -139,52 +139,57 @@ double film_pdf_w(const FilmPlane& film, const Vertex& camera, const Vertex& x) 
 
 using Triangles = std::vector<std::array<Vec3d, 3>>;
 
-/// Corners of the portals' triangles, grouped by portal and direction. Each group is planar.
-std::vector<Triangles> surfaces(const Vista& vista) {
-  std::vector<Triangles> all;
-  std::vector<PortalSet::Polygon> firsts;
+/// The triangles of a portal in one direction, all in one plane, and the rectangle around them that
+/// counts, too.
+struct Facet {
+  Triangles triangles;
+  std::array<Vec3d, 4> surround;
+  Vec3d n, centre;
+  double area = 0;
+
+  void add(const PortalSet::Polygon& q) {
+    triangles.push_back({q.p0, q.p0 + q.e1, q.p0 + q.e2});
+    centre = (centre * area + (q.p0 + (q.e1 + q.e2) / 3) * q.area) / (area + q.area);
+    area += q.area;
+  }
+};
+
+std::vector<Facet> facets(const Vista& vista) {
+  std::vector<Facet> all;
+  bool complete = true;
   for (size_t i = 0; i < vista.openings.portals.size(); ++i) {
     const PortalSet::Polygon& q = vista.openings.portals.polygon(static_cast<int>(i));
-    size_t k = 0;
-    while (k < all.size() && !(firsts[k].portal == q.portal && dot(firsts[k].normal, q.normal) > 0))
-      ++k;
-    if (k == all.size()) {
-      all.emplace_back();
-      firsts.push_back(q);
-    }
-    all[k].push_back({q.p0, q.p0 + q.e1, q.p0 + q.e2});
+    if (complete) all.emplace_back().n = q.normal;
+    complete = q.surround;
+    if (complete)
+      all.back().surround = {q.p0, q.p0 + q.e1, q.p0 + q.e1 + q.e2, q.p0 + q.e2};
+    else
+      all.back().add(q);
   }
   return all;
 }
 
-struct Plane {
-  Vec3d n, centre;
-  double area = 0;
-  explicit Plane(const Triangles& triangles) {
-    for (const auto& t : triangles) {
-      const Vec3d twice = cross(t[1] - t[0], t[2] - t[0]);
-      n += twice;
-      area += 0.5 * length(twice);
-      centre += (t[0] + t[1] + t[2]) * (length(twice) / 6);
-    }
-    n = normalize(n);
-    centre = centre / area;
-  }
-};
+/// Whether a point of the plane is left of all edges of a convex polygon.
+template <size_t N>
+bool holds(const std::array<Vec3d, N>& corners, const Vec3d& n, const Vec3d& at) {
+  bool inside = true;
+  for (size_t e = 0; e < N; ++e)
+    inside = inside && dot(n, cross(corners[(e + 1) % N] - corners[e], at - corners[e])) >= 0;
+  return inside;
+}
 
-/// Number of triangles that the line through `a` along `w` crosses, and at what distance.
-int passed(const Triangles& triangles, const Vec3d& a, const Vec3d& w, double& distance) {
-  int number = 0;
-  const Plane plane(triangles);
-  distance = dot(plane.n, triangles[0][0] - a) / dot(plane.n, w);
+/// Density, times the area of the facet, of the point that the line through `a` along `w` crosses,
+/// and its distance.
+double coverage(const Facet& f, const Vec3d& a, const Vec3d& w, double& distance,
+                Fault fault = Fault::none) {
+  const double e = shader::kSurroundShare;
+  distance = dot(f.n, f.triangles[0][0] - a) / dot(f.n, w);
   const Vec3d at = a + w * distance;
-  for (const auto& t : triangles) {  // inside: left of all three edges
-    bool inside = true;
-    for (size_t e = 0; e < 3; ++e)
-      inside = inside && dot(plane.n, cross(t[(e + 1) % 3] - t[e], at - t[e])) >= 0;
-    number += inside;
-  }
-  return number;
+  int number = 0;
+  for (const auto& t : f.triangles) number += holds(t, f.n, at);
+  if (fault == Fault::no_surround) return number;
+  const double area = length(cross(f.surround[1] - f.surround[0], f.surround[3] - f.surround[0]));
+  return (1 - e) * number + (holds(f.surround, f.n, at) ? e * f.area / area : 0);
 }
 
 /// Length of the edge from a to b.
@@ -194,69 +199,59 @@ double long_is(const Vertex& a, const Vertex& b) {
 
 /// Density, over p(F,G), with which the pair of portals makes the line from a to b: per product of
 /// area and projected solid angle.
-double pair_pdf(const Vertex& a, const Vertex& b, const Triangles& f, const Triangles& g,
-                double& etendue) {
-  const Plane F(f), G(g);
+double pair_pdf(const Vertex& a, const Vertex& b, const Facet& F, const Facet& G, double& etendue,
+                Fault fault) {
   etendue = 0;
-  for (const auto& t : g)
+  for (const auto& t : G.triangles)
     for (const Vec3d& corner : t)
-      if (dot(F.n, corner - f[0][0]) <= 0) return 0;
-  for (const auto& t : f)
+      if (dot(F.n, corner - F.triangles[0][0]) <= 0) return 0;
+  for (const auto& t : F.triangles)
     for (const Vec3d& corner : t)
-      if (dot(G.n, corner - g[0][0]) >= 0) return 0;
+      if (dot(G.n, corner - G.triangles[0][0]) >= 0) return 0;
   const Vec3d d = G.centre - F.centre;
   etendue = F.area * G.area * dot(F.n, d) * dot(G.n, d) / std::pow(dot(d, d), 2);
   const Vec3d w = unit(a, b);
   double s, t;  // distances from b; negative in front of it
-  const int ways = passed(f, b.position, w, s) * passed(g, b.position, w, t);
-  if (dot(F.n, w) <= 0 || dot(G.n, w) <= 0 || -s > long_is(a, b) || t > 0) return 0;
+  const double ways = coverage(F, b.position, w, s, fault) * coverage(G, b.position, w, t, fault);
+  // Beside the portals, G may lie before F.
+  if (dot(F.n, w) <= 0 || dot(G.n, w) <= 0) return 0;
+  if (-std::min(s, t) > long_is(a, b) || std::max(s, t) > 0) return 0;
   return ways / (F.area * G.area) * std::pow(t - s, 2) / (dot(F.n, w) * dot(G.n, w));
 }
 
-/// p_AA [eq. 4], polygon by polygon with its cosines written out, and for pairs of portals. From
+/// p_AA [eq. 4], facet by facet with its cosines written out, and for pairs of portals. From
 /// the sky: per solid angle of its direction and area at b.
 double segment_pdf(const Vista& vista, const Vertex& a, const Vertex& b, Fault fault) {
   if (!a.on_surface() && !in_the_sky(a)) return 0;
   const Vec3d w = unit(a, b);
   const double G = cosine_at(a, b) * cosine_at(b, a) / distance2(a, b);
   double total_area = 0, sum = 0;
-  for (size_t i = 0; i < vista.openings.portals.size(); ++i) {
-    const PortalSet::Polygon& q = vista.openings.portals.polygon(static_cast<int>(i));
-    total_area += 0.5 * length(cross(q.e1, q.e2));
-  }
+  const std::vector<Facet> all = facets(vista);
+  for (const Facet& f : all) total_area += f.area;
   double pairs = 0, etendues = 0;
-  const std::vector<Triangles> all = surfaces(vista);
   for (size_t i = 0; i < all.size(); ++i)
     for (size_t j = 0; j < all.size(); ++j) {
       if (i == j) continue;
       double etendue;
-      const double p = pair_pdf(a, b, all[i], all[j], etendue);
+      const double p = pair_pdf(a, b, all[i], all[j], etendue, fault);
       pairs += etendue * p * G;
       etendues += etendue;
     }
   const double c = etendues > 0 ? 0.25 : 0;
   if (c > 0) sum += c * pairs / etendues;
-  for (size_t i = 0; i < vista.openings.portals.size(); ++i) {
-    const PortalSet::Polygon& q = vista.openings.portals.polygon(static_cast<int>(i));
-    const double cos_q = dot(q.normal, w);
-    if (cos_q <= 0) continue;
-    const double t = dot(q.normal, b.position - q.p0) / cos_q;  // from there to b
-    if (t < 0 || t > long_is(a, b)) continue;
-    // Inside if the point is left of all three edges.
-    const Vec3d at = b.position - w * t;
-    const Vec3d p[3] = {q.p0, q.p0 + q.e1, q.p0 + q.e2};
-    bool inside = true;
-    for (int e = 0; e < 3; ++e)
-      inside = inside && dot(q.normal, cross(p[(e + 1) % 3] - p[e], at - p[e])) >= 0;
-    if (!inside) continue;
-    const double area = 0.5 * length(cross(q.e1, q.e2));
-    const double p_q = area / total_area, p_A = 1 / area, p_w = cos_q / pi;
-    double p_AA = p_q * p_A * p_w / cos_q * G;
+  for (const Facet& f : all) {
+    const double cos_f = dot(f.n, w);
+    if (cos_f <= 0) continue;
+    double t;  // from b; negative in front of it
+    const double ways = coverage(f, b.position, w, t, fault);
+    if (t > 0 || -t > long_is(a, b)) continue;
+    const double p_f = f.area / total_area, p_A = ways / f.area, p_w = cos_f / pi;
+    double p_AA = p_f * p_A * p_w / cos_f * G;
     if (a.at_infinity()) {
       // The portal's area is projected along the line to that at b.
-      p_AA = p_q * p_A * p_w * (cosine_at(b, a) / cos_q);
+      p_AA = p_f * p_A * p_w * (cosine_at(b, a) / cos_f);
       if (fault == Fault::sky_segment_distance) p_AA /= t * t;
-      if (fault == Fault::sky_segment_cosine) p_AA *= cos_q;
+      if (fault == Fault::sky_segment_cosine) p_AA *= cos_f;
     }
     sum += (1 - c) * p_AA;
   }
@@ -266,16 +261,14 @@ double segment_pdf(const Vista& vista, const Vertex& a, const Vertex& b, Fault f
 /// Density of the parallel light's line to `to`, among those guided through portals [1/area
 /// across].
 double guide_line_pdf(const Vista& vista, const Vec3d& d, const Vertex& to) {
-  double total = 0;
-  int number = 0;
-  for (const Triangles& triangles : surfaces(vista)) {
-    const Plane plane(triangles);
-    if (dot(plane.n, d) <= 0) continue;
-    total += plane.area * dot(plane.n, d);
+  double total = 0, ways = 0;
+  for (const Facet& f : facets(vista)) {
+    if (dot(f.n, d) <= 0) continue;
+    total += f.area * dot(f.n, d);
     double distance;
-    number += passed(triangles, to.position, d, distance);
+    ways += coverage(f, to.position, d, distance);
   }
-  return total > 0 ? number / total : -1;
+  return total > 0 ? ways / total : -1;
 }
 
 /// Density [1/sr] with which guiding of a walk at `at`, coming from `back`, chooses the direction
@@ -284,27 +277,26 @@ double guide_pdf_w(const Vista& vista, From from, const Vertex* back, const Vert
                    const Vertex& to) {
   const Vec3d w = unit(at, to);
   double total = 0, sum = 0;
-  for (const Triangles& triangles : surfaces(vista)) {
-    const auto [n, centre, area] = Plane(triangles);
+  for (const Facet& f : facets(vista)) {
     bool above = false;
-    const double side = dot(n, at.position - triangles[0][0]);
+    const double side = dot(f.n, at.position - f.triangles[0][0]);
     if (from == From::light ? side >= 0 : side <= 0) continue;
     // A portal below the surface's horizon is not aimed at.
     const bool one_sided = at.on_surface() && (back ? at.simple || !bsdf::transmits(at.bsdf)
                                                     : !at.material->double_sided);
     const double facing = back && dot(at.normal, unit(at, *back)) < 0 ? -1 : 1;
-    for (const auto& t : triangles)
+    for (const auto& t : f.triangles)
       for (const Vec3d& corner : t)
         above |= !one_sided || facing * dot(at.normal, corner - at.position) > 0;
     if (!above) continue;
     // About its solid angle.
-    const double d = length(centre - at.position);
-    const double height = std::max(std::abs(dot(n, centre - at.position)), 0.1 * d);
-    const double weight = area * height * std::pow(d * d + area / pi, -1.5);
+    const double d = length(f.centre - at.position);
+    const double height = std::max(std::abs(dot(f.n, f.centre - at.position)), 0.1 * d);
+    const double weight = f.area * height * std::pow(d * d + f.area / pi, -1.5);
     total += weight;
     double distance;
-    const int number = passed(triangles, at.position, w, distance);
-    if (distance > 0) sum += number * weight * distance * distance / (std::abs(dot(n, w)) * area);
+    const double ways = coverage(f, at.position, w, distance);
+    if (distance > 0) sum += ways * weight * distance * distance / (std::abs(dot(f.n, w)) * f.area);
   }
   return total > 0 ? sum / total : -1;
 }

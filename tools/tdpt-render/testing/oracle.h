@@ -18,6 +18,7 @@ struct StrategyDensity {
 enum class Fault {
   none,
   portal_density_5_percent,
+  no_surround,        ///< points of portals that are uniform on their triangles
   one_way_5_percent,  ///< density of segments to +x
   missing_cosine,
   connection_at_a_mirror,

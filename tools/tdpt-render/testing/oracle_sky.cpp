@@ -76,7 +76,7 @@ double overlap(int i, int n, double from, double to) {
 struct Rectangle {
   double x0 = HUGE_VAL, x1 = -HUGE_VAL, y0 = HUGE_VAL, y1 = -HUGE_VAL;
   double height = 0;   ///< along z
-  bool above = false;  ///< a corner is above the surface's horizon
+  bool above = false;  ///< a corner of the surround is above the surface's horizon
 
   /// `front`: unit normal of the surface there, on the side that light arrives at; 0: both.
   Rectangle(const PortalSet& portals, const WindowSky::Window& window, const Vec3d& from,
@@ -93,9 +93,17 @@ struct Rectangle {
       }
     }
     above = length(front) == 0;
-    for (const double x : {x0, x1})
-      for (const double y : {y0, y1})
+    const Rectangle all = surround();
+    for (const double x : {all.x0, all.x1})
+      for (const double y : {all.y0, all.y1})
         above = above || dot(front, sky.x * x + sky.y * y + sky.z * height) > 0;
+  }
+  /// A tenth larger at all sides.
+  Rectangle surround() const {
+    Rectangle all = *this;
+    const double x = 0.1 * (x1 - x0), y = 0.1 * (y1 - y0);
+    all.x0 -= x, all.x1 += x, all.y0 -= y, all.y1 += y;
+    return all;
   }
   bool seen() const { return height > 0 && above; }
   bool passed_along(const Vec3d& local) const {
@@ -146,7 +154,7 @@ double SkyLight::across_portals(const Vec3d& towards) const {
   double area = 0;
   for (size_t i = 0; i < vista_.openings.portals.size(); ++i) {
     const PortalSet::Polygon& q = vista_.openings.portals.polygon(static_cast<int>(i));
-    area += 0.5 * length(cross(q.e1, q.e2)) * std::max(0.0, -dot(q.normal, towards));
+    if (!q.surround) area += q.area * std::max(0.0, -dot(q.normal, towards));
   }
   return area;
 }
@@ -194,22 +202,24 @@ double SkyLight::next_event_pdf_w(const Vertex& shaded, const Vertex& next, cons
   const double plain = luminance(vista_.world->scene.sky->radiance(towards)) / total_;
   const bool one_sided = shaded.simple || !bsdf::transmits(shaded.bsdf);
   const double side = dot(shaded.normal, next.position - shaded.position) < 0 ? -1 : 1;
+  const double e = shader::kSurroundShare;
   double seen = 0, light = 0;
   for (size_t i = 0; i < vista_.openings.windows.windows().size(); ++i) {
     if (!(vista_.openings.windows.windows_in_view(shaded.position) >> i & 1u)) continue;
     const WindowSky::Window& window = vista_.openings.windows.windows()[i];
     const Rectangle r(vista_.openings.portals, window, shaded.position,
                       one_sided ? shaded.normal * side : Vec3d());
-    seen += seen_through(window, r);
+    seen += (1 - e) * seen_through(window, r) + e * seen_through(window, r.surround());
     const WindowFrame& frame = *window.frame;
     const Vec3d w(dot(frame.x, towards), dot(frame.y, towards), dot(frame.z, towards));
-    if (!(r.seen() && w.z > 0 && r.passed_along(w))) continue;
+    if (!(r.seen() && w.z > 0 && r.surround().passed_along(w))) continue;
     // Content over solid angle: content per area of the plane z = 1, and area per solid angle.
     const Layout& layout = layout_of(window);
     const double s = w.x / w.z, t = w.y / w.z, n = layout.n;
     const auto cell = [&](double x) { return static_cast<size_t>((compress(x) + 1) / 2 * n); };
     const double area = std::pow((1 + std::abs(s)) * (1 + std::abs(t)) * 2 / n, 2);
-    light += layout.cells[cell(s) * frame.cells + cell(t)] / (area * std::pow(w.z, 3));
+    light += (r.passed_along(w) ? 1 : e) * layout.cells[cell(s) * frame.cells + cell(t)] /
+             (area * std::pow(w.z, 3));
   }
   if (!(seen > 0)) return plain;
   return (1 - q) * plain + q * through * light / seen;

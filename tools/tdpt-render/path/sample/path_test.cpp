@@ -271,6 +271,12 @@ TEST(path_twin, a_portal_density_off_by_5_percent_is_caught) {
   EXPECT_GT(worst.value, 0.04);
 }
 
+TEST(path_twin, a_portal_whose_surround_is_forgotten_is_caught) {
+  const Worst worst = compare(diffuse_rooms(), tdpt_ref, Fault::no_surround);
+  EXPECT_GT(worst.weight, 0.03);
+  EXPECT_GT(worst.value, 0.02);
+}
+
 TEST(path_twin, an_aim_off_by_5_percent_is_caught) {
   for (const Scene& scene : {diffuse_rooms(), glossy_rooms(), coated_rooms()}) {
     const Worst worst = compare(scene, tdpt_guided, Fault::guide_5_percent);
