@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <set>
 
 #include "tools/portalfit/plane.h"
 
@@ -97,35 +98,21 @@ bool join_best(std::vector<Group>& groups, std::vector<std::vector<double>>& wor
   return true;
 }
 
-// The opening near `start` that all of these lines pass.
-std::optional<Aperture> opening_of(const LightGrid& grid, const std::vector<LightLine>& lines,
-                                   const Tube& start) {
+// Fits one opening to the lines of all parts; returns the parts if that fails.
+std::vector<Aperture> refitted(const LightGrid& grid, const Bundle& all, const Group& parts) {
+  std::set<uint32_t> which;
+  for (const Aperture& a : parts) which.insert(a.lines.which.begin(), a.lines.which.end());
+  const std::vector<LightLine> lines = Bundle{all.of, {which.begin(), which.end()}}.lines();
+  const Tube start{joint_of(grid, parts).plane, 0};
   Aperture a{turned_into_wall(lines, holding_plane(lines, start), grid.walls), {}, {}};
   std::vector<Vec2d> places;
   for (const LightLine& line : lines)
     if (const auto at = clear_crossing(a.tube.middle, line)) places.push_back(*at);
-  if (places.size() < kFewestLines) return {};
+  if (places.size() < kFewestLines) return parts;
   a.polygon = outline_of(places);
-  if (a.polygon.empty()) return {};
-  return a;
-}
-
-// The lines of all `parts`.
-std::vector<uint32_t> lines_of(const std::vector<Aperture>& parts) {
-  std::vector<uint32_t> all;
-  for (const Aperture& a : parts) all.insert(all.end(), a.lines.which.begin(), a.lines.which.end());
-  std::sort(all.begin(), all.end());
-  all.erase(std::unique(all.begin(), all.end()), all.end());
-  return all;
-}
-
-// Fits one opening to the lines of all parts; returns the parts if that fails.
-std::vector<Aperture> refitted(const LightGrid& grid, const Bundle& all, const Group& parts) {
-  const std::vector<LightLine> lines = Bundle{all.of, lines_of(parts)}.lines();
-  auto a = opening_of(grid, lines, {joint_of(grid, parts).plane, 0});
-  if (!a) return parts;
-  a->lines = lines_across(all, *a);
-  return {*a};
+  if (a.polygon.empty()) return parts;
+  a.lines = lines_across(all, a);
+  return {a};
 }
 
 }  // namespace
