@@ -66,7 +66,7 @@ LightLine LineTracer::in_metres(const Scene& scene, const LightGrid& grid, size_
   const uint32_t to = patch_at(ends.camera_face, ends.camera);
   const bool known = from != UINT32_MAX && to != UINT32_MAX;
   line.cut = static_cast<uint32_t>(
-      known ? std::countr_zero(tables_.sides[to] & ~tables_.sides[from] | uint64_t{1} << c) : c);
+      known ? std::countr_zero((tables_.sides[to] & ~tables_.sides[from]) | uint64_t{1} << c) : c);
   line.share = 1;
   if (!tables_.light.empty())
     line.share = known ? tables_.light[from].brightness *
