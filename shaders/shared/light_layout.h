@@ -22,7 +22,7 @@
   BUFFER(5, uint, first_cell)         \
   BUFFER(6, PatchCell, patch_cells)   \
   BUFFER(7, FaceNormal, face_normals) \
-  BUFFER(8, uint, region_cuts)
+  BUFFER(8, uint, region_sides)
 #define LIGHT_TRIES 9
 #define LIGHT_LINES 10
 #define LIGHT_FATES 11
@@ -75,10 +75,8 @@ struct Piece {
 };
 
 /// The part of a patch on one face, and its cell. The parts on a face are sorted by level, then
-/// cell. A region has the patches that lie on the same side of every cut and that the same cuts
-/// divide; region_cuts has four words for each: bit c of the first two is set on the camera's side
-/// of cut c, and of the others where so much light of a patch crosses cut c that it may straddle
-/// the opening.
+/// cell. A region has the patches that lie on the same side of every cut; region_sides has two
+/// words for each: bit c is set on the camera's side of cut c.
 struct PatchCell {
   ivec3 cell;
   uint level_region;  ///< level << 24 | region
@@ -133,10 +131,10 @@ struct LightParameters {
   uint count;
   uint first_arc;
   uint arcs;
+  uint levels;          ///< bit l: some patch has level l
   uint first_sky_face;  ///< this face and all later ones are whole patches of the sky
   uint pad0;
   uint pad1;
-  uint pad2;
 };
 
 SHARED_END

@@ -2,7 +2,7 @@
 // through a point in the air.
 //
 // Include it in a scope that has the tables of light_layout.h under their names (pivot_arcs[],
-// patches[], pieces[], first_cell[], patch_cells[], face_normals[], region_cuts[]), their
+// patches[], pieces[], first_cell[], patch_cells[], face_normals[], region_sides[]), their
 // parameters `light`, segment_blocked() and first_hit() of traversal.h or replacements, and
 // count_voxel(): a GLSL file after its buffers, or the body of a C++ struct.
 
@@ -16,8 +16,8 @@
 
 // Rays around each end of a line that vote on which side of the cut it lies.
 #define LINE_VOTES 16
-#define LINE_LEAD 3  // a lead of so many votes decides early
-#define LINE_FEWEST_VOTES 3
+#define LINE_LEAD 4  // a lead of so many votes decides early
+#define LINE_FEWEST_VOTES 4
 // Offset from the surface: 16 units in the last place of coordinates up to 1.
 #define LINE_STEP 9.5367431640625e-7f
 // Random streams besides that of the line itself.
@@ -120,9 +120,8 @@ SHARED bool cell_at(uint face, vec3 place, OUT(uint) index) {
   if (begin == end) return false;
   if (face >= light.first_sky_face) return true;
   vec3 from_corner = place - light.cell_corner;
-  int coarsest = int(patch_cells[begin].level_region >> 24);
-  int finest = int(patch_cells[end - 1u].level_region >> 24);
-  for (int level = finest; level >= coarsest; --level) {
+  for (int level = 15; level >= 0; --level) {
+    if ((light.levels & (1u << uint(level))) == 0u) continue;
     // 4^level, written as a float's exponent.
     float scale = light.cells_per_unit * uintBitsToFloat(uint(127 + 2 * level) << 23);
     vec3 q = from_corner * scale;
@@ -155,18 +154,11 @@ SHARED bool region_at(uint face, vec3 place, OUT(uint) region) {
 
 /// 0: the light's side of the cut, 1: the camera's.
 SHARED uint side_of_region(uint region) {
-  return (region_cuts[4u * region + (light.cut >> 5)] >> (light.cut & 31u)) & 1u;
+  return (region_sides[2u * region + (light.cut >> 5)] >> (light.cut & 31u)) & 1u;
 }
 
-SHARED bool cut_divides(uint region) {
-  return ((region_cuts[4u * region + 2u + (light.cut >> 5)] >> (light.cut & 31u)) & 1u) != 0u;
-}
-
-/// Whether cosine-distributed rays from an end of a line hit mostly patches of its own side. Where
-/// the cut does not divide the end's patch they do, and none is traced.
+/// Whether cosine-distributed rays from an end of a line hit mostly patches of its own side.
 SHARED bool sees_its_side(vec3 end, uint face, uint side, uint stream, uint number) {
-  uint home;
-  if (region_at(face, end, home) && !cut_divides(home)) return true;
   Rng random = numbers_of_line(stream, number);
   vec3 normal = normal_of_face(face);
   vec3 origin = stepped_off(end, normal);

@@ -2,8 +2,8 @@
 // and lines [section 4.2].
 //
 // Method: Monte Carlo, in two passes. Coarse, as in the paper: segments between pivot patches,
-// tested for visibility and marched through the grid (3D DDA), in batches that double until enough
-// join the two sides. This shows where the light passes, but patches and voxels blur it,
+// tested for visibility and marched through the grid (3D DDA), in batches that double until the
+// shape of the counts settles. This shows where the light passes, but patches and voxels blur it,
 // and uniform points on patches distort it. Fine: the Markov chain over lines of line_walk.cpp,
 // started from these segments. The user's own lines replace the segments and are kept; then only
 // the probes of the fine pass are used.
@@ -22,8 +22,10 @@
 namespace tdpt {
 namespace {
 
-constexpr uint64_t kFirstBatch = 1 << 13;
+constexpr uint64_t kFirstBatch = 1 << 15;
 constexpr double kAroundRooms = 0.1;   // of their longest side: allows for walls of this thickness
+constexpr size_t kFewestKept = 2000;   // with fewer kept segments the counts never count as settled
+constexpr double kHot = 0.25;          // of the largest count: voxels that are compared
 constexpr uint64_t kBlock = 1 << 17;   // segments in memory at a time
 constexpr size_t kMostKept = 1 << 20;  // coarse lines from which the fine pass starts
 constexpr size_t kBytesOfVoxel = 100;  // the grid, its counters and the weights of the fine pass
@@ -33,6 +35,21 @@ void read_counts(const LightGrid& grid, LineTracer& tracer, std::vector<uint32_t
   tracer.counts(count);
   for (size_t i = 0; i < count.size(); ++i)
     if (!grid.air[i]) count[i] = 0;
+}
+
+// Half the sum of absolute differences between two normalised counts, over the hot voxels of the
+// newer one.
+double change_between(const std::vector<uint32_t>& before, const std::vector<uint32_t>& now) {
+  const uint32_t most = *std::max_element(now.begin(), now.end());
+  double sum_before = 0, sum_now = 0;
+  const auto hot = [&](size_t i) { return now[i] > 0 && now[i] >= kHot * most; };
+  for (size_t i = 0; i < now.size(); ++i)
+    if (hot(i)) sum_before += before[i], sum_now += now[i];
+  if (sum_before == 0 || sum_now == 0) return 1;
+  double difference = 0;
+  for (size_t i = 0; i < now.size(); ++i)
+    if (hot(i)) difference += std::abs(before[i] / sum_before - now[i] / sum_now);
+  return 0.5 * difference;
 }
 
 }  // namespace
@@ -160,8 +177,8 @@ struct LightCounter {
     }
   }
 
-  // Samples segments between pivot patches of cut `c` until enough of them connect the two sides;
-  // returns the first kMostKept of these. Sets count to this cut's counts; adds its lines
+  // Samples segments between pivot patches of cut `c` until the counts settle; returns the first
+  // kMostKept of those that connect the two sides. Sets count to this cut's counts; adds its lines
   // to direction, in air or not.
   std::vector<LightLine> coarse_pass(size_t c, PassStatistics& pass) {
     std::vector<LightLine> kept;
@@ -169,6 +186,7 @@ struct LightCounter {
     uint64_t summed = 0;
     tracer.clear();
     for (uint64_t batch = kFirstBatch; pass.drawn < options.samples; batch = pass.drawn) {
+      const std::vector<uint32_t> before = count;
       const uint64_t end = pass.drawn + std::min(batch, options.samples - pass.drawn);
       while (pass.drawn < end && !report.stopped) {
         const uint64_t n = std::min(end - pass.drawn, kBlock);
@@ -187,10 +205,11 @@ struct LightCounter {
         report.stopped = watch.stop && watch.stop();
       }
       ++pass.batches;
-      pass.settled = pass.kept >= options.enough;
+      read_counts(grid, tracer, count);
+      pass.change = change_between(before, count);
+      pass.settled = pass.kept >= kFewestKept && pass.change < options.tolerance;
       if (pass.settled || report.stopped) break;
     }
-    read_counts(grid, tracer, count);
     tracer.take_directions(direction);
     return kept;
   }
@@ -208,6 +227,7 @@ struct LightCounter {
     }
     pass.drawn = pass.visible = pass.kept = kept.size();
     pass.settled = true;
+    pass.change = 0;
     return kept;
   }
 };
@@ -217,11 +237,13 @@ struct LightCounter {
 PassStatistics LightGridReport::all() const {
   PassStatistics sum;
   sum.settled = !cuts.empty();
+  sum.change = cuts.empty() ? 1 : 0;
   for (const PassStatistics& of_cut : cuts) {
     sum.drawn += of_cut.drawn, sum.visible += of_cut.visible, sum.kept += of_cut.kept;
     sum.tried += of_cut.tried, sum.joined += of_cut.joined, sum.lines += of_cut.lines;
     if (of_cut.drawn == 0) continue;
     sum.settled = sum.settled && of_cut.settled;
+    sum.change = std::max(sum.change, of_cut.change);
   }
   return sum;
 }

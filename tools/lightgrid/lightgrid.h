@@ -15,8 +15,8 @@ struct LightGridOptions {
   int resolution = 128;  ///< voxels along the longest side of the grid
   uint64_t seed = 1;
   uint64_t samples = 1 << 20;  ///< maximum number of segments between pivot patches
-  size_t enough = 5000;        ///< segments that connect the two sides: no more are sampled
-  size_t lines = 8192;         ///< maximum number of lines of a cut
+  double tolerance = 0.1;      ///< change of the normalised counts below which they have settled
+  size_t lines = 8192;         ///< maximum number of lines in the file
   /// The user's own lines, used instead of segments between pivot patches; all are kept. Empty:
   /// segments are sampled.
   std::vector<LightLine> own;
@@ -33,6 +33,7 @@ struct PassStatistics {
   uint64_t drawn = 0, visible = 0, kept = 0;  ///< segments between pivot patches
   size_t batches = 0;
   bool settled = false;            ///< false: the budget ran out first
+  double change = 1;               ///< of the normalised counts in the last batch
   uint64_t tried = 0, joined = 0;  ///< lines through the fullest voxels
   size_t lines = 0;                ///< kept in the file
 };
@@ -44,7 +45,7 @@ struct LightGridReport {
   std::vector<PassStatistics> cuts;  ///< per cut; without pivot pairs nothing is sampled
   Phases phases;                     ///< air, patches, bvh, coarse, fine
 
-  /// Sums over the cuts, and whether all that were sampled have settled.
+  /// Sums over the cuts; the largest change, and whether all that were sampled have settled.
   PassStatistics all() const;
 };
 

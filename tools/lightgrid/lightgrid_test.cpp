@@ -173,6 +173,7 @@ TEST(LightGrid, SettlesOrSaysThatItDidNot) {
   EXPECT_FALSE(report.all().settled);
   EXPECT_EQ(report.all().drawn, 1000u);
   options.samples = 1 << 22;
+  options.tolerance = 0.2;
   LightGridReport loose;
   make_light_grid(scene, cut, "a.cut", options, loose);
   EXPECT_TRUE(loose.all().settled);
@@ -229,7 +230,7 @@ TEST(LightGrid, StopsWithWhatItHas) {
   LightGridReport report;
   LightGridOptions options = quick();
   options.samples = 1 << 22;
-  options.enough = SIZE_MAX;
+  options.tolerance = 0;
   const LightGrid grid =
       make_light_grid(scene, door_cut(scene), "a.cut", options, report, {{}, [] { return true; }});
   EXPECT_TRUE(report.stopped);

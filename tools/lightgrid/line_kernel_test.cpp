@@ -36,6 +36,7 @@ shader::LightParameters parameters_of(const LineTables& tables) {
   p.first_sky_face = UINT32_MAX;
   p.cell_corner = tables.cell_corner;
   p.cells_per_unit = tables.cells_per_unit;
+  p.levels = tables.levels;
   return p;
 }
 
@@ -61,8 +62,7 @@ TEST(LineKernel, lines_through_a_place_lead_from_light_to_camera) {
   LineTables tables;
   tables.face_normals = {{{-1, 0, 0}, 0}, {{-1, 0, 0}, 0}};  // faces 0 and 3 are met
   tables.first_cell = {0, 1, 1, 1, 2};
-  // One behind the other, and all are divided.
-  tables.region_cuts = {0, 0, 7, 0, 1, 0, 7, 0, 3, 0, 7, 0, 7, 0, 7, 0};
+  tables.region_sides = {0, 0, 1, 0, 3, 0, 7, 0};  // one behind the other
   VoxelSums sums(1);
   BetweenTwo rays;
   shader::LineEnds line;
@@ -73,6 +73,7 @@ TEST(LineKernel, lines_through_a_place_lead_from_light_to_camera) {
     p.first_sky_face = UINT32_MAX;
     p.cell_corner = {-50, -50, -50};
     p.cells_per_unit = 0.01f;
+    p.levels = 1;
     p.cut = c;
     rays.coins.clear();
     shader::LineKernel<BetweenTwo> kernel(rays, tables, p, sums);
@@ -311,18 +312,15 @@ struct Ballots {
   }
 };
 
-// Whether the ends of a line win their votes; also returns the coins of the rays. `crossing`: share
-// of their patches' etendue that crosses the cut.
+// Whether the ends of a line win their votes; also returns the coins of the rays.
 bool win(const std::vector<Ballot>& of_rays, std::vector<uint32_t>& coins, uint32_t number = 0,
-         uint32_t round = 0, uint32_t stream = 0x10000, double crossing = 1) {
+         uint32_t round = 0, uint32_t stream = 0x10000) {
   Scene scene;
   scene.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
   scene.triangles = {{{0, 1, 2}, 0}, {{0, 1, 2}, 0}};
   CutFile cut;
   cut.grid = {Vec3d(-50), 100};
   Patch light{}, camera{};
-  light.samples = camera.samples = 100;
-  cut.arcs = {{0, 1, 100 * crossing}};
   light.faces = {0, 3};  // the light's end looks down, at the fronts
   camera.faces = {1, 2};
   cut.patches = {light, camera};
@@ -340,23 +338,23 @@ bool win(const std::vector<Ballot>& of_rays, std::vector<uint32_t>& coins, uint3
   return won;
 }
 
-TEST(LineKernel, ends_win_by_a_lead_of_three_or_by_more_of_sixteen) {
+TEST(LineKernel, ends_win_by_a_lead_of_four_or_by_more_of_sixteen) {
   std::vector<uint32_t> coins;
   const auto votes = [](size_t own, size_t other) {
     std::vector<Ballot> v(own, Ballot::own);
     v.insert(v.end(), other, Ballot::other);
     return v;
   };
-  // Both ends at once: three rays each.
-  EXPECT_TRUE(win(votes(6, 0), coins));
-  EXPECT_EQ(coins.size(), 6u);
+  // Both ends at once: four rays each.
+  EXPECT_TRUE(win(votes(8, 0), coins));
+  EXPECT_EQ(coins.size(), 8u);
   // One end, then none for the other.
-  EXPECT_FALSE(win(votes(0, 3), coins));
-  EXPECT_EQ(coins.size(), 3u);
-  EXPECT_FALSE(win(votes(3, 3), coins));
-  EXPECT_EQ(coins.size(), 6u);
-  // Two votes are too few, and 16 rays are the maximum.
-  EXPECT_FALSE(win(votes(2, 0), coins));
+  EXPECT_FALSE(win(votes(0, 4), coins));
+  EXPECT_EQ(coins.size(), 4u);
+  EXPECT_FALSE(win(votes(4, 4), coins));
+  EXPECT_EQ(coins.size(), 8u);
+  // Three votes are too few, and 16 rays are the maximum.
+  EXPECT_FALSE(win(votes(3, 0), coins));
   EXPECT_EQ(coins.size(), 16u);
   // A tie does not win; nine of sixteen do.
   std::vector<Ballot> tie;
@@ -366,11 +364,7 @@ TEST(LineKernel, ends_win_by_a_lead_of_three_or_by_more_of_sixteen) {
   tie[15] = Ballot::own;
   tie.resize(20, Ballot::own);
   EXPECT_TRUE(win(tie, coins));
-  EXPECT_EQ(coins.size(), 19u);
-  // Without votes, where little of the patches' light crosses the cut.
-  EXPECT_FALSE(win(votes(0, 3), coins, 0, 0, 0x10000, 0.11));
-  EXPECT_TRUE(win(votes(0, 3), coins, 0, 0, 0x10000, 0.09));
-  EXPECT_TRUE(coins.empty());
+  EXPECT_EQ(coins.size(), 20u);
 }
 
 // No random number is used twice: not by both ends, nor by the line itself, nor by another line.
@@ -390,7 +384,7 @@ TEST(LineKernel, votes_have_numbers_of_their_own) {
     shader::Rng line = shader::rng_of(0, stream, number, round);
     for (int i = 0; i < 64; ++i) all.push_back(shader::random_word(line));
   }
-  EXPECT_EQ(all.size(), 6 * 70u);
+  EXPECT_EQ(all.size(), 6 * 72u);
   std::sort(all.begin(), all.end());
   EXPECT_EQ(std::unique(all.begin(), all.end()), all.end());
 }
@@ -482,6 +476,7 @@ TEST(LineTables, CellsTooSmallForFloatsHoldNothing) {
   shader::LightParameters p{};
   p.first_sky_face = UINT32_MAX;
   p.cells_per_unit = tables.cells_per_unit;
+  p.levels = tables.levels;
   VoxelSums sums(1);
   const NoRays none;
   shader::LineKernel<NoRays> kernel(none, tables, p, sums);

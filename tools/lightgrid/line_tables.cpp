@@ -27,9 +27,6 @@ namespace {
 // Radius of the dome [canonical]: the direction to a bin varies by at most 3 degrees over a scene.
 constexpr float kDomeRadius = 32;
 
-// Share of the etendue of a patch that may cross a cut without votes of the lines that end on it.
-constexpr double kDivided = 0.1;
-
 }  // namespace
 
 void add_sky_dome(Scene& scene) {
@@ -157,38 +154,18 @@ void add_pairs(const CutFile& cut, LineTables& tables) {
   }
 }
 
-// Per patch: bit c is set if more than kDivided of its etendue crosses cut c, or that is unknown.
-std::vector<uint64_t> divided_patches(const CutFile& cut) {
-  std::vector<uint64_t> divided(cut.patches.size(), 0);
-  std::vector<double> crossing(cut.patches.size());
-  for (size_t c = 0; c < cut.cuts.size(); ++c) {
-    std::fill(crossing.begin(), crossing.end(), 0.0);
-    for (const CutArc& arc : cut.arcs)
-      if (cut.crosses(arc, c))
-        for (const uint32_t end : {arc.from, arc.to}) crossing[end] += arc.capacity;
-    for (size_t i = 0; i < crossing.size(); ++i)
-      if (!(crossing[i] < kDivided * cut.patches[i].samples)) divided[i] |= uint64_t{1} << c;
-  }
-  return divided;
-}
-
-// The region of each patch: a number for each distinct pair of sides and cuts that divide it, in
-// the order of the pairs.
+// The region of each patch: a number for each distinct set of sides, in the order of the sets.
 std::vector<uint32_t> add_regions(const CutFile& cut, LineTables& tables) {
-  const std::vector<uint64_t> divided = divided_patches(cut);
-  std::vector<std::pair<uint64_t, uint64_t>> of_patch;
-  for (size_t i = 0; i < divided.size(); ++i) of_patch.emplace_back(cut.sides[i], divided[i]);
-  auto distinct = of_patch;
+  std::vector<uint64_t> distinct = cut.sides;
   std::sort(distinct.begin(), distinct.end());
   distinct.erase(std::unique(distinct.begin(), distinct.end()), distinct.end());
-  for (const auto& [sides, divides] : distinct)
-    for (const uint64_t cuts : {sides, divides})
-      for (const int word : {0, 1})
-        tables.region_cuts.push_back(static_cast<uint32_t>(cuts >> (32 * word)));
+  for (const uint64_t sides : distinct)
+    for (const int word : {0, 1})
+      tables.region_sides.push_back(static_cast<uint32_t>(sides >> (32 * word)));
   std::vector<uint32_t> region;
-  for (const auto& pair : of_patch)
+  for (const uint64_t sides : cut.sides)
     region.push_back(static_cast<uint32_t>(
-        std::lower_bound(distinct.begin(), distinct.end(), pair) - distinct.begin()));
+        std::lower_bound(distinct.begin(), distinct.end(), sides) - distinct.begin()));
   return region;
 }
 
@@ -204,6 +181,7 @@ void add_cells(const Scene& scene, const CutFile& cut, const std::string& cut_na
       ++tables.first_cell[dome_face(scene, patch.sky) + 1];
       continue;
     }
+    tables.levels |= 1u << patch.level;
     for (const uint32_t face : patch.faces) {
       if (face / 2 >= surfaces)
         throw InputError(
@@ -245,7 +223,6 @@ LineTables make_line_tables(const Scene& scene, const CutFile& cut, const std::s
   add_cells(scene, cut, cut_name, tables);
   add_surfaces(scene, cut, tables);
   add_pairs(cut, tables);
-  tables.sides = cut.sides;
   tables.light = cut.light;
   if (scene.dome < scene.triangles.size()) tables.first_sky_face = 2 * scene.dome;
   tables.face_normals.resize(scene.triangles.size());

@@ -23,13 +23,13 @@ struct LineTables {
   std::vector<uint32_t> first_cell;            ///< per face, plus one; indices into `patch_cells`
   std::vector<shader::PatchCell> patch_cells;  ///< grouped by face
   std::vector<shader::FaceNormal> face_normals;
-  std::vector<uint32_t> region_cuts;    ///< four words per region
+  std::vector<uint32_t> region_sides;   ///< two words per region
   std::vector<uint32_t> patch_of_cell;  ///< per entry of patch_cells
-  std::vector<uint64_t> sides;          ///< per patch, of all cuts [CutFile]
   std::vector<PatchLight> light;        ///< per patch; empty: unknown
 
   shader::vec3 cell_corner{};  ///< canonical
   float cells_per_unit = 1;
+  uint32_t levels = 0;
   uint32_t first_sky_face = UINT32_MAX;  ///< faces from here on belong to the sky
 };
 

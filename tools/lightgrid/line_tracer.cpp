@@ -1,7 +1,5 @@
 #include "tools/lightgrid/line_tracer.h"
 
-#include <bit>
-
 #include "libcommon/trace/tracer.h"
 #include "tools/lightgrid/line_kernel.h"
 
@@ -17,6 +15,7 @@ shader::LightParameters common_of(const Scene& scene, const LineTables& tables,
   p.cell_corner = tables.cell_corner;
   p.cells_per_unit = tables.cells_per_unit;
   p.seed = seed;
+  p.levels = tables.levels;
   p.first_sky_face = tables.first_sky_face;
   return p;
 }
@@ -62,16 +61,15 @@ LightLine LineTracer::in_metres(const Scene& scene, const LightGrid& grid, size_
                                 const shader::LineEnds& ends) const {
   LightLine line{scene.frame.to_metres(Vec3d(ends.light)),
                  scene.frame.to_metres(Vec3d(ends.camera))};
-  const uint32_t from = patch_at(ends.light_face, ends.light);
-  const uint32_t to = patch_at(ends.camera_face, ends.camera);
-  const bool known = from != UINT32_MAX && to != UINT32_MAX;
-  line.cut = static_cast<uint32_t>(
-      known ? std::countr_zero((tables_.sides[to] & ~tables_.sides[from]) | uint64_t{1} << c) : c);
   line.share = 1;
-  if (!tables_.light.empty())
+  if (!tables_.light.empty()) {
+    const uint32_t from = patch_at(ends.light_face, ends.light);
+    const uint32_t to = patch_at(ends.camera_face, ends.camera);
+    const bool known = from != UINT32_MAX && to != UINT32_MAX;
     line.share = known ? tables_.light[from].brightness *
                              tables_.light[to].importance[tables_.cuts[c].camera]
                        : 0;
+  }
   if (std::max(ends.light_face, ends.camera_face) / 2 >= scene.dome) clip_to(grid, line);
   return line;
 }

@@ -60,8 +60,7 @@ class LineTracer {
   uint32_t patch_at(uint32_t face, const shader::vec3& place) const;
   /// Canonical line of cut `c` -> metres. A line from or to the sky is clipped to the grid.
   /// `share`: brightness of the patch at its one end times importance of that at the other, in the
-  /// direction of the light; 1 where no patch has light. `cut`: the first of all cuts that it
-  /// joins.
+  /// direction of the light; 1 where no patch has light.
   LightLine in_metres(const Scene& scene, const LightGrid& grid, size_t c,
                       const shader::LineEnds& line) const;
 

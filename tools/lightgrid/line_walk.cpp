@@ -28,10 +28,6 @@
 // b/(kFaint b')): so lines have the density g(l) dmu(l). Bright lines are no denser than others,
 // since an opening is found by all that passes it. A line stands for b/g.
 //
-// Several cuts, above all of several cameras, may pass the same openings. If nearly all lines of a
-// cut join an earlier one in the file, that one has told of them: their density is kTold g(l)
-// dmu(l), and the cut has fewer lines for it, so that those which are its own are as dense as ever.
-//
 // That is the limit. In practice the chains make only some moves, and w is re-estimated from their
 // own lines, the last time half-way. Since no line is used twice, those whose W is below its lower
 // quartile Q are all used: the result is A(l) min(1, W(l)/Q) dmu(l).
@@ -65,9 +61,6 @@ constexpr double kNarrowest = 2e4;  // largest exponent of the cosine
 // The walk ends after this many moves per chain on average, or after this many steps.
 constexpr uint64_t kMoves = 4, kMostSteps = 48;
 constexpr double kFaint = 0.02;  // of the mean light: lines with less are thinned
-// Density of lines that an earlier cut has, if they are more than this share: of nested cuts of a
-// camera, with 0.5 to 0.9, thinning lost 5 of 104 openings of the houses that are right.
-constexpr double kTold = 0.25, kNearlyAll = 0.9;
 constexpr double kOffEnds = 1e-3;
 constexpr uint64_t kMeetings = 4;  // number of first steps, with x where lines meet
 
@@ -76,10 +69,7 @@ constexpr uint64_t kMeetings = 4;  // number of first steps, with x where lines 
 std::vector<double> weights_of(const std::vector<double>& count) {
   const double most = kFull * *std::max_element(count.begin(), count.end());
   std::vector<double> w(count.size());
-  for (size_t i = 0; i < w.size(); ++i) {
-    const double c = std::min(count[i], most);
-    w[i] = c * c * c;
-  }
+  for (size_t i = 0; i < w.size(); ++i) w[i] = std::pow(std::min(count[i], most), 3);
   return w;
 }
 
@@ -94,19 +84,13 @@ double weight_of(const LightGrid& grid, const std::vector<double>& w, const Ligh
 // Samples a point on `line` [metres] in proportion to w; empty if w is 0 along it.
 std::optional<Vec3d> place_on(const LightGrid& grid, const std::vector<double>& w,
                               const LightLine& line, double u) {
-  thread_local std::vector<std::pair<double, double>> steps;  // weight and length in each voxel
-  steps.clear();
-  double left = 0, walked = 0, at = -1;
+  double left = u * weight_of(grid, w, line), walked = 0, at = -1;
   walk_grid(grid, line.light, line.camera, [&](size_t voxel, double inside) {
-    steps.emplace_back(w[voxel] * inside, inside);
-    left += steps.back().first;
-  });
-  left *= u;
-  for (const auto& [here, inside] : steps) {
+    const double here = w[voxel] * inside;
     if (left >= 0 && here > 0) at = walked + inside * std::min(1.0, left / here);
     left -= here;
     walked += inside;
-  }
+  });
   if (at < 0) return {};
   return line.light + normalize(line.camera - line.light) * at;
 }
@@ -170,7 +154,7 @@ Vec3d turned_from_axis(double u, double v, double exponent) {
 class Chains {
  public:
   Chains(const Scene& scene, LineTracer& tracer, size_t c, const LightGrid& grid,
-         const std::vector<uint32_t>& count, const std::vector<LightLine>& kept, size_t most,
+         const std::vector<uint32_t>& count, const std::vector<LightLine>& kept, size_t chains,
          uint64_t seed)
       : scene_(scene),
         tracer_(tracer),
@@ -179,26 +163,20 @@ class Chains {
         seed_(seed),
         stream_(kChains.first + (uint64_t{c} << 32)),
         w_(weights_of({count.begin(), count.end()})),
-        start_(kept) {
+        start_(kept),
+        line_(chains),
+        tries_(chains),
+        wide_(chains),
+        probe_(chains) {
     // Lines without weight, as between jambs, cannot move.
     std::erase_if(start_, [&](const LightLine& l) { return !(weight_of(grid_, w_, l) > 0); });
     if (start_.empty()) start_ = kept;
     double sum = 0;
     for (const LightLine& line : start_) sum += line.share;
     faint_ = kFaint * sum / static_cast<double>(std::max<size_t>(start_.size(), 1));
-    double told = 0, all = 0;
-    for (const LightLine& line : start_) {
-      all += lit_share(line);
-      if (line.cut < cut_) told += lit_share(line);
-    }
-    if (told > kNearlyAll * all) told_ = kTold;
-    most_ =
-        static_cast<size_t>(std::ceil((1 - (1 - told_) * told / all) * static_cast<double>(most)));
-    std::vector<double> density;
-    for (const LightLine& line : start_) density.push_back(density_of(line));
-    const size_t chains = most_ + most_ / 3 + 1;
-    line_.resize(chains), tries_.resize(chains), wide_.resize(chains), probe_.resize(chains);
-    const AliasTable table(density);
+    std::vector<double> lit;
+    for (const LightLine& line : start_) lit.push_back(lit_share(line));
+    const AliasTable table(lit);
     for (size_t i = 0; i < chains; ++i) {
       Rng rng(seed, stream_, i, kMostSteps);
       line_[i] = start_[table.sample(rng.uniform())];
@@ -225,25 +203,25 @@ class Chains {
     }
   }
 
-  LineWalk result() const {
+  LineWalk result(size_t most) const {
     LineWalk walk;
     walk.tried = tried_, walk.joined = joined_;
     for (const std::optional<Probe>& p : probe_)
       if (p) walk.probes.push_back(*p);
-    // The stationary distribution is the target times the chains' weight W: divide by it. A quarter
-    // of the lines are dropped.
+    // The stationary distribution is the target times the chains' weight W: divide by it. Half of
+    // the lines are dropped.
     const ChainWeights weights = weights_of(grid_, w_, line_);
     if (weights.empty()) {  // no line passes counted air, so all are equal
-      walk.lines.assign(line_.begin(), line_.begin() + static_cast<std::ptrdiff_t>(most_));
+      walk.lines.assign(line_.begin(), line_.begin() + static_cast<std::ptrdiff_t>(most));
     } else {
-      for (size_t i = 0; i < line_.size() && walk.lines.size() < most_; ++i) {
+      for (size_t i = 0; i < line_.size() && walk.lines.size() < most; ++i) {
         Rng rng(seed_, stream_, i, kMostSteps + 1);
         if (rng.uniform() < weights.share(i)) walk.lines.push_back(line_[i]);
       }
     }
     for (Probe& p : walk.probes) p.line.cut = static_cast<uint32_t>(cut_);
     for (LightLine& line : walk.lines)
-      line.share /= density_of(line), line.cut = static_cast<uint32_t>(cut_);
+      line.cut = static_cast<uint32_t>(cut_), line.share /= lit_share(line);
     return walk;
   }
 
@@ -251,10 +229,6 @@ class Chains {
   // g of a line; a little is left of the darkest, so that the walk moves where nothing is lit.
   double lit_share(const LightLine& line) const {
     return faint_ > 0 ? std::clamp(line.share / faint_, 1e-6, 1.0) : 1;
-  }
-
-  double density_of(const LightLine& line) const {
-    return line.cut < cut_ ? told_ * lit_share(line) : lit_share(line);
   }
 
   // A point on chain i and a direction; no direction if the line has no weight.
@@ -287,7 +261,7 @@ class Chains {
     const bool joins = found_.fate[i] == LineFate::joins;
     const LightLine line = tracer_.in_metres(scene_, grid_, cut_, found_.ends[i]);
     if (joins) {
-      const double ratio = density_of(line) / density_of(line_[i]);
+      const double ratio = lit_share(line) / lit_share(line_[i]);
       Rng rng(seed_, stream_, i, kMostSteps + 2 + round);
       const bool moves = ratio >= 1 || rng.uniform() < ratio;
       moves_ += moves;
@@ -307,8 +281,6 @@ class Chains {
   std::vector<double> w_;         // per voxel
   std::vector<LightLine> start_;  // from the coarse pass
   double faint_ = 0;              // light of a line below which it is thinned
-  double told_ = 1;               // density of lines that an earlier cut has
-  size_t most_ = 0;               // lines of the result
   std::vector<LightLine> line_;   // per chain, as are the following
   std::vector<shader::LineTry> tries_;
   std::vector<uint8_t> wide_;  // whether the try is a probe of the portals' support
@@ -322,9 +294,9 @@ class Chains {
 LineWalk walk_among_lines(const Scene& scene, LineTracer& tracer, size_t c, const LightGrid& grid,
                           const std::vector<uint32_t>& count, const std::vector<LightLine>& kept,
                           size_t most, uint64_t seed) {
-  Chains chains(scene, tracer, c, grid, count, kept, most, seed);
+  Chains chains(scene, tracer, c, grid, count, kept, 2 * most, seed);
   chains.run();
-  return chains.result();
+  return chains.result(most);
 }
 
 }  // namespace tdpt

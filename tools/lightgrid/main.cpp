@@ -58,7 +58,7 @@ void declare_options(cli::Options& options, Arguments& a) {
   options.quality();
   options.option("--resolution,--set resolution", a.resolution, kResolution, "N",
                  "Voxels along the longest side of the grid", 8, 512);
-  options.option("--set lines", a.lines, kLines, "N", "Most lines of light kept for a cut", 100,
+  options.option("--set lines", a.lines, kLines, "N", "Most lines of light kept in the file", 100,
                  1 << 22);
   declare_device_options(options, a.device, "What traces the lines");
   declare_pose_options(options, a.pose);
@@ -146,28 +146,21 @@ void note_counts(const cli::Common& common, const LightGrid& grid, const LightGr
   if (!a.lines_from.empty())
     return common.note(
         fmt::format("{} of {} join the two sides", all.joined, counted(all.tried, "line")));
-  common.note(fmt::format("counted {} of light from the lit side to the camera's{}",
-                          counted(all.kept, "line"),
-                          all.settled ? "" : "; that is fewer than are sought"));
+  common.note(fmt::format(
+      "counted {} of light from the lit side to the camera's{}", counted(all.kept, "line"),
+      all.settled ? ""
+                  : "; that is too few for settled counts: --quality high draws "
+                    "more"));
 }
 
 nlohmann::json summary(const LightGrid& grid, const LightGridReport& report,
                        const std::string& device) {
   const PassStatistics all = report.all();
-  return {{"bottleneck", grid.bottleneck},
-          {"reason", grid.reason},
-          {"drawn", all.drawn},
-          {"visible", all.visible},
-          {"kept", all.kept},
-          {"settled", all.settled},
-          {"tried", all.tried},
-          {"joined", all.joined},
-          {"lines", grid.lines.size()},
-          {"voxels", grid.dim},
-          {"air", report.air},
-          {"voxel", grid.voxel},
-          {"fullest", report.fullest},
-          {"device", device}};
+  return {{"bottleneck", grid.bottleneck}, {"reason", grid.reason},     {"drawn", all.drawn},
+          {"visible", all.visible},        {"kept", all.kept},          {"settled", all.settled},
+          {"change", all.change},          {"tried", all.tried},        {"joined", all.joined},
+          {"lines", grid.lines.size()},    {"voxels", grid.dim},        {"air", report.air},
+          {"voxel", grid.voxel},           {"fullest", report.fullest}, {"device", device}};
 }
 
 // ---- The text of --explain ----
@@ -196,12 +189,12 @@ Decision of_box(const Scene& scene, const LightGrid& grid, const LightGridOption
 Decision of_batches(const std::string& cut, const PassStatistics& c,
                     const LightGridOptions& options) {
   if (c.drawn == 0) return {cut, "nothing drawn", "no pair of it has any surface", "no segment"};
-  const std::string joined =
-      fmt::format("{} join the two sides, {} are sought", c.kept, options.enough);
+  const std::string change = fmt::format("the counts changed by {:.1f} %, {:.0f} % is settled",
+                                         100 * c.change, 100 * options.tolerance);
   return {cut + ", segments", "stopped after " + counted(c.batches, "batch"),
-          c.settled                    ? joined
-          : c.drawn >= options.samples ? fmt::format("{} are the most: ", options.samples) + joined
-                                       : "a signal came: " + joined,
+          c.settled                    ? change
+          : c.drawn >= options.samples ? fmt::format("{} are the most: ", options.samples) + change
+                                       : "a signal came: " + change,
           counted(c.drawn, "segment")};
 }
 

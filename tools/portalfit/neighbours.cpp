@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <numbers>
 #include <set>
@@ -170,6 +171,36 @@ std::vector<Aperture> joined_in_planes(const LightGrid& grid, const Bundle& all,
     joined.insert(joined.end(), openings.begin(), openings.end());
   }
   return joined;
+}
+
+void part_from_each_other(const LightGrid& grid, const Bundle& all, std::vector<Aperture>& found) {
+  if (found.size() < 2) return;
+  for (const double growth : {kWidening, std::sqrt(kWidening), 1.0}) {
+    for (Aperture& a : found) {
+      std::vector<uint32_t> others;
+      for (const Aperture& b : found) {
+        if (&b == &a) continue;
+        Aperture wider = b;
+        wider.polygon = enlarged(b.polygon, growth);
+        const Bundle across = lines_across(all, wider);
+        others.insert(others.end(), across.which.begin(), across.which.end());
+      }
+      std::sort(others.begin(), others.end());
+      const auto without = [&](const Bundle& lines) {
+        Bundle left{all.of};
+        std::set_difference(lines.which.begin(), lines.which.end(), others.begin(), others.end(),
+                            std::back_inserter(left.which));
+        return left;
+      };
+      const auto shared = static_cast<double>(a.lines.size() - without(a.lines).size());
+      const auto size = static_cast<double>(a.lines.size());
+      if (shared < kSlight * size || shared > 0.5 * size) continue;
+      auto again = outlined(grid, without(all), a.tube, true);
+      if (!again) continue;
+      again->lines = lines_across(all, *again);
+      if (again->lines.size() >= kMost * size) a = std::move(*again);
+    }
+  }
 }
 
 }  // namespace tdpt

@@ -108,4 +108,11 @@ double distance_between(const Polygon& a, const Polygon& b);
 std::vector<Aperture> joined_in_planes(const LightGrid& grid, const Bundle& all,
                                        std::vector<Aperture> parts, size_t most);
 
+/// For openings side by side, such as the slit beside a door and the gap above it: light through
+/// the second crosses the plane of the first beyond its edge and extends its outline there. So each
+/// is outlined again by the lines that do not cross the others, at first with the others enlarged.
+/// Skips an opening most of whose lines cross others, too: such openings follow each other. All
+/// lines are those of `all`.
+void part_from_each_other(const LightGrid& grid, const Bundle& all, std::vector<Aperture>& found);
+
 }  // namespace tdpt

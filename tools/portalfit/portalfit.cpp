@@ -276,6 +276,7 @@ class Fit {
     found = enough_light(std::move(found));
     if (const auto most = static_cast<size_t>(options_.max_portals); found.size() > most)
       found = enough_light(joined_in_planes(grid_, all, std::move(found), most));
+    part_from_each_other(grid_, all, found);
     return found;
   }
 

@@ -117,7 +117,7 @@ inline void expect_same(const Outcome& a, const Outcome& b) {
   EXPECT_TRUE(a.direction == b.direction);
   // The test must have something to compare.
   EXPECT_GT(joining(a.segments), 20u);
-  EXPECT_GE(joining(a.tries), 5u);
+  EXPECT_GE(joining(a.tries), 10u);
   EXPECT_GT(std::count(a.tries.fate.begin(), a.tries.fate.end(), LineFate::same_side), 10);
 }
 
