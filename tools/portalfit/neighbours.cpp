@@ -174,7 +174,6 @@ std::vector<Aperture> joined_in_planes(const LightGrid& grid, const Bundle& all,
 }
 
 void part_from_each_other(const LightGrid& grid, const Bundle& all, std::vector<Aperture>& found) {
-  constexpr double kNearlyAll = 0.97;  // of its lines: an outline that loses more is refused
   if (found.size() < 2) return;
   for (const double growth : {kWidening, std::sqrt(kWidening), 1.0}) {
     for (Aperture& a : found) {
@@ -199,7 +198,7 @@ void part_from_each_other(const LightGrid& grid, const Bundle& all, std::vector<
       auto again = outlined(grid, without(all), a.tube, true);
       if (!again) continue;
       again->lines = lines_across(all, *again);
-      if (static_cast<double>(again->lines.size()) >= kNearlyAll * size) a = std::move(*again);
+      if (static_cast<double>(again->lines.size()) >= kPlaneHolds * size) a = std::move(*again);
     }
   }
 }

@@ -78,4 +78,42 @@ TEST(Joining, DistanceIsBetweenEdges) {
   EXPECT_EQ(distance_between(a, enlarged(a, 0.5)), 0);
 }
 
+// A window of 1 m x 1 m across z, and one across y above and behind it, whose light also crosses
+// the plane of the first, over its edge at y = 0.5. Returns how high the first one reaches that was
+// fitted up to y = 0.8, when `over` of 4000 lines pass the second.
+double height_beside(size_t over) {
+  LightGrid g;
+  g.voxel = kVoxel;
+  for (uint64_t i = 0; g.lines.size() < 4000; ++i) {
+    Rng rng(17, 1, i);
+    const bool second = g.lines.size() < over;
+    const double x = rng.uniform() - 0.5, y = rng.uniform();
+    const Vec3d slant{0.5 * (rng.uniform() - 0.5), rng.uniform() - 0.5, 1};
+    const Vec3d p = second ? Vec3d{x, 0.55 + 0.25 * y, 0} : Vec3d{x, y - 0.5, 0};
+    const Vec3d w = normalize(second ? Vec3d{0, 1, 1} : slant);
+    g.lines.push_back({p - w, p + w});
+  }
+  const Bundle all = testing::all_of(g);
+  Aperture first = pane(0), above;
+  for (Vec2d& corner : first.polygon)
+    if (const Vec3d at = to_space(first.tube.middle, corner); at.y > 0)
+      corner = in_plane(first.tube.middle, at + Vec3d{0, 0.3, 0});
+  above.tube.middle = {{0, 0.9, 0.2}, {0, 1, 0}};
+  for (const auto& [x, z] : {std::pair{-0.5, 0.05}, {0.5, 0.05}, {0.5, 0.4}, {-0.5, 0.4}})
+    above.polygon.push_back(in_plane(above.tube.middle, {x, 0.9, z}));
+  above.polygon = convex_hull(above.polygon);
+  std::vector<Aperture> found{first, above};
+  for (Aperture& a : found) a.lines = lines_across(all, a);
+  part_from_each_other(g, all, found);
+  double y = -INFINITY;
+  for (const Vec3d& corner : corners_of(found[0])) y = std::max(y, corner.y);
+  return y;
+}
+
+TEST(Parting, CutsBackWhatFewLinesExtend) {
+  EXPECT_NEAR(height_beside(80), 0.5, 0.03);
+  EXPECT_NEAR(height_beside(20), 0.8, 1e-6);   // twin: too few to matter
+  EXPECT_NEAR(height_beside(800), 0.8, 1e-6);  // and so many that they may be its own
+}
+
 }  // namespace tdpt::neighbours_test

@@ -87,7 +87,8 @@ std::optional<Aperture> part_of_directions(const LightGrid& grid, const Bundle& 
 
 // ---- Neighbours (neighbours.cpp) ----
 //
-// Panes and gaps in one plane are joined into one opening with bars in it.
+// Panes and gaps in one plane are joined into one opening with bars in it, and outlines that the
+// light of another opening extends are cut back.
 
 /// Joint geometry of flat shapes.
 struct Joint {
@@ -110,9 +111,8 @@ std::vector<Aperture> joined_in_planes(const LightGrid& grid, const Bundle& all,
 
 /// For openings side by side, such as the slit beside a door and the gap above it: light through
 /// the second crosses the plane of the first beyond its edge and extends its outline there. So each
-/// is outlined again by the lines that do not cross the others, at first with the others enlarged.
-/// Skips an opening most of whose lines cross others, too: such openings follow each other. All
-/// lines are those of `all`.
+/// is outlined again by the lines that do not cross the others, at first with the others enlarged,
+/// and stays as it is if it would lose more than few of its lines. All lines are those of `all`.
 void part_from_each_other(const LightGrid& grid, const Bundle& all, std::vector<Aperture>& found);
 
 }  // namespace tdpt

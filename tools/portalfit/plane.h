@@ -44,7 +44,7 @@ inline constexpr double kNearlyParallel = 0.966;
 inline constexpr double kGrazing = 0.05;
 /// Worth of a line that passes for certain against area, in logarithms.
 inline constexpr double kWorthOfKnown = 3;
-/// Share of a tube's lines with which a plane takes its place.
+/// Share of an opening's lines with which another plane or outline takes its place.
 inline constexpr double kPlaneHolds = 0.97;
 /// Lines of a first, rough search.
 inline constexpr size_t kRoughLines = 2000;

@@ -4,8 +4,9 @@
 // whose lines are deleted, until few are left. A candidate needs support (few of the probes through
 // it may join one side with itself) and an edge (a wall, past which the air goes on before or
 // behind). Openings beside each other in one plane are joined, as panes; then each needs a share of
-// the camera's light. What several cuts of a camera found is one opening if most of the light of
-// either passes both; what several cameras found is one if that holds for both.
+// the camera's light; then what the light of one extends of another is cut back. What several cuts
+// of a camera found is one opening if most of the light of either passes both; what several cameras
+// found is one if that holds for both.
 #include "tools/portalfit/portalfit.h"
 
 #include <algorithm>
