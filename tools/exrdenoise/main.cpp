@@ -44,7 +44,7 @@ void declare_options(cli::Options& options, Arguments& a) {
   declare_picture_options(options, a);
 }
 
-// One JSON object, the keys of exrdenoise(1). `exposure`: of the preview, if there is one.
+// One JSON object, the keys of tdpt-json(5). `exposure`: of the preview, if there is one.
 std::string summary_json(const Picture& picture, const denoise::Filtered& filtered, double seconds,
                          std::optional<double> exposure) {
   const Vec3d mean = mean_of(picture);

@@ -57,7 +57,7 @@ Picture side_by_side(const Picture& picture, const Picture& reference, double ex
 
 /// For people: one measure a line, the black picture's beside it.
 std::string report_text(const Comparison& c);
-/// One JSON object; the keys are listed in exrdiff(1). An infinite psnr is null. `exposure`: of the
+/// One JSON object; tdpt-json(5) lists the keys. An infinite psnr is null. `exposure`: of the
 /// pictures side by side, if they are asked for.
 std::string report_json(const Comparison& c, std::optional<double> exposure = {});
 

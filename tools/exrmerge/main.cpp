@@ -77,7 +77,7 @@ void check_whole(const FilmFile& film, const std::string& file) {
                                words_of(gaps), film.facts.spp));
 }
 
-// One JSON object, the keys of exrmerge(1). `film`: merged of so many; none if a picture is shown.
+// One JSON object, the keys of tdpt-json(5). `film`: merged of so many; none if a picture is shown.
 // `exposure`: of the preview, if there is one.
 std::string summary_json(const Picture& picture, const std::optional<FilmFile>& film, size_t films,
                          std::optional<double> exposure) {

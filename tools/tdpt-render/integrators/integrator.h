@@ -69,7 +69,7 @@ const Integrator& integrator_named(const std::string& name);
 std::string label_of(const Integrator& integrator);
 
 /// A sentence about light of the scene that none of the integrator's techniques can sample
-/// (tdpt(7), "Lamps without surface"); empty if there is none.
+/// (tdpt-render(1), INTEGRATORS); empty if there is none.
 std::string light_missed(const Integrator& integrator, const Scene& scene);
 
 }  // namespace tdpt

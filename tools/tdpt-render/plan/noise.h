@@ -60,10 +60,10 @@ inline bool is_reliable(const ErrorEstimate& estimate) {
 /// Multiply and divide the estimate by this for its interval of about 95 %.
 double interval_factor(const ErrorEstimate& estimate);
 
-/// Samples per pixel that meet `target` with about 95 % chance, as far as the estimate from `parts`
-/// parts shows: relMSE falls at least as 1/N; a safety factor is added. At most 2^32, and of the
-/// form m 2^j, m < 16: blocks of a fourth to an eighth of such a number are as well stratified as
-/// samples in powers of two. 0: not known, no light was met.
+/// Samples per pixel that meet `target` with about 95 % chance, by the estimate e from K parts of n
+/// samples: 1.1 q n e / target, q the 95 % quantile of a gamma distribution of mean 1 and variance
+/// spread^2 (1 + K target / e) + 2 / pixels. At most 2^32, and of the form m 2^j, m < 16: blocks of
+/// a fourth to an eighth of such a number are stratified like powers of two. 0: no light was met.
 uint64_t samples_needed(const ErrorEstimate& estimate, uint64_t parts, double target);
 
 /// Cuts the samples of a picture, as they arrive, into four to seven blocks of 2^j each. The

@@ -29,7 +29,7 @@ struct TargetOutcome {
 
 /// "target relMSE 0.01 reached: ..." or what stopped it. `spp`: samples per pixel of the picture.
 std::string target_sentence(const TargetOutcome& target, uint64_t spp);
-/// The object `target` of tdpt-render(1), STATISTICS.
+/// The object `target` of tdpt-json(5).
 nlohmann::ordered_json target_json(const TargetOutcome& target, const ErrorPilot& pilot);
 /// String attributes of the EXR header.
 std::map<std::string, std::string> target_attributes(const TargetOutcome& target);

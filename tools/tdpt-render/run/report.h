@@ -11,7 +11,7 @@
 
 namespace tdpt {
 
-/// The statistics of tdpt-render(1) that are known before the picture is written. `asked`: the only
+/// The statistics of tdpt-json(5) that are known before the picture is written. `asked`: the only
 /// candidate, or `auto` with the techniques of all. `portals`: with the ways they work. `device`:
 /// the renderer's name.
 nlohmann::ordered_json stats_of(const Job& job, const Integrator& asked,
