@@ -86,7 +86,7 @@ void check_channels(const Imf::Header& header, const std::vector<std::string>& p
 }
 
 // From the file's colours to Rec.709; nothing if they are that.
-std::optional<Affine> to_rec709(const Imf::Header& header, const std::string& name) {
+std::optional<Affine> map_to_rec709(const Imf::Header& header, const std::string& name) {
   const auto* a = header.findTypedAttribute<Imf::ChromaticitiesAttribute>("chromaticities");
   if (!a) return {};
   const Imf::Chromaticities& c = a->value();
@@ -188,7 +188,7 @@ ExrFile read_part(Imf::MultiPartInputFile& file, int index,
           ? &result.picture.alpha
           : nullptr;
   if (alpha) alpha->resize(result.picture.pixels.size());
-  const std::optional<Affine> to = to_rec709(header, name);
+  const std::optional<Affine> to = map_to_rec709(header, name);
   Imf::InputPart part(file, index);
   read_rows(part, w, prefixes, pictures, alpha);
   for (Picture* p : pictures) {
@@ -317,7 +317,7 @@ Picture parse_exr_picture(std::string_view bytes, const std::string& name, int m
                        fmt::format("{} x {} pixels, expected at most {} x {}", size.x, size.y,
                                    most_width, most_height));
     ExrFile read = read_part(input, part, {""}, bytes, name);
-    if (to_rec709(input.header(part), name))
+    if (map_to_rec709(input.header(part), name))
       for (Rgb& pixel : read.picture.pixels) pixel = within_gamut(pixel);
     return read;
   });

@@ -16,7 +16,6 @@ namespace {
 using std::numbers::pi;
 constexpr double kDegree = pi / 180;
 constexpr double kClosest = 1e-4;  // angles [degrees] that differ less are equal to floats
-constexpr double kLeast = 1e-30, kMost = 1e30;
 
 struct IesReader {
   std::string_view text;
@@ -133,7 +132,7 @@ Web read_web(IesReader& in, bool has_lamp_factor, LightProfile& profile) {
   if (const double type = in.number("photometric type"); type != 1)
     in.fail(fmt::format("photometric type: {}, expected 1, a goniophotometer of type C", type));
   for (const char* name : {"units", "width", "length", "height"}) in.number(name);
-  profile.peak *= in.number("ballast factor", kLeast, kMost);
+  profile.peak *= in.number("ballast factor", kLeastIntensity, kMostIntensity);
   const double lamp = in.number("ballast-lamp factor");
   if (has_lamp_factor && lamp > 0) profile.peak *= lamp;
   in.number("watts");
@@ -141,7 +140,7 @@ Web read_web(IesReader& in, bool has_lamp_factor, LightProfile& profile) {
   web.rows = in.angles("vertical angles", vertical, 0, 180);
   web.columns = in.angles("horizontal angles", horizontal, 0, 360);
   for (size_t i = 0; i < vertical * horizontal; ++i)
-    web.values.push_back(in.number("intensities", 0, kMost));
+    web.values.push_back(in.number("intensities", 0, kMostIntensity));
   const double greatest = *std::max_element(web.values.begin(), web.values.end());
   profile.peak *= greatest;
   if (greatest > 0)
@@ -245,9 +244,9 @@ LightProfile read_ies(std::string_view text, const std::string& file, const std:
   in.number("number of lamps");
   in.number("lumens");
   LightProfile profile;
-  profile.peak = in.number("multiplier", kLeast, kMost);
+  profile.peak = in.number("multiplier", kLeastIntensity, kMostIntensity);
   const Web web = read_web(in, has_lamp_factor, profile);
-  if (!(profile.peak >= kLeast)) {
+  if (!(profile.peak >= kLeastIntensity)) {
     profile.peak = 0;
     return profile;
   }

@@ -7,6 +7,8 @@
 
 namespace tdpt {
 
+inline constexpr double kLeastIntensity = 1e-30, kMostIntensity = 1e30;  // [cd] or [W/sr], of files
+
 /// Intensity by direction, in the luminaire's frame, which aims along -z. A row is a polar angle
 /// from -z; a column is an azimuth about it, from x towards y. Bilinear in both angles; 0 beyond
 /// the last row or column.

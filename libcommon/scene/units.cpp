@@ -16,12 +16,12 @@ namespace tdpt {
 
 namespace {
 
-using Kind = LampUnits::Kind;
+using LampUnit = LampUnits::Kind;
 constexpr double kSphere = 4 * std::numbers::pi;  // [sr]
 constexpr std::string_view kBlender = "Khronos glTF Blender I/O v";
 
 // The value that the user had set if the number was written in these units: W, or W/m2 for a sun.
-double setting(const LampNumber& lamp, Kind units) {
+double setting(const LampNumber& lamp, LampUnit units) {
   const double radiometric = lamp.value * to_radiometric(units, lamp.directional);
   return lamp.directional ? radiometric : radiometric * kSphere;
 }
@@ -35,10 +35,10 @@ bool is_typed(double value) {
 }
 
 // The units for which most lamps have such values; photometric if there is a tie.
-std::optional<Kind> by_digits(const std::vector<LampNumber>& lamps) {
-  std::optional<Kind> best;
+std::optional<LampUnit> by_digits(const std::vector<LampNumber>& lamps) {
+  std::optional<LampUnit> best;
   size_t most = lamps.size() / 2;
-  for (const Kind units : {Kind::photometric, Kind::radiometric, Kind::watts}) {
+  for (const LampUnit units : {LampUnit::photometric, LampUnit::radiometric, LampUnit::watts}) {
     const auto n =
         static_cast<size_t>(std::count_if(lamps.begin(), lamps.end(), [&](const LampNumber& l) {
           return is_typed(setting(l, units));
@@ -50,13 +50,13 @@ std::optional<Kind> by_digits(const std::vector<LampNumber>& lamps) {
   return best;
 }
 
-const char* words_of(Kind units) {
+const char* words_of(LampUnit units) {
   switch (units) {
-    case Kind::photometric:
+    case LampUnit::photometric:
       return "candela and lux, divided by 683 lm/W";
-    case Kind::watts:
+    case LampUnit::watts:
       return "points and spots of so many watts, divided by 4 pi";
-    case Kind::radiometric:
+    case LampUnit::radiometric:
       break;
   }
   return "W/sr and W/m2";
@@ -77,44 +77,45 @@ LampUnits lamp_units_of(std::string_view generator, const std::vector<LampNumber
   if (lamps.empty()) return {};
   const auto digits = by_digits(lamps);
   if (!is_blender(generator))
-    return {Kind::radiometric,
-            digits == Kind::photometric
+    return {LampUnit::radiometric,
+            digits == LampUnit::photometric
                 ? "lamps are taken as W/sr and W/m2, but have the digits of Blender's candela: "
                   "--set light-units=photometric would divide them by 683 lm/W"
                 : ""};
-  const Kind kind = digits.value_or(Kind::photometric);
+  const LampUnit kind = digits.value_or(LampUnit::photometric);
   return {kind,
           fmt::format("lamps are taken as {}: so Blender's exporter writes them {}", words_of(kind),
-                      !digits                     ? "unless told otherwise"
-                      : kind == Kind::photometric ? "by default"
-                      : kind == Kind::watts       ? "in its raw mode, by their digits"
-                                                  : "in its unitless mode, by their digits")};
+                      !digits                         ? "unless told otherwise"
+                      : kind == LampUnit::photometric ? "by default"
+                      : kind == LampUnit::watts       ? "in its raw mode, by their digits"
+                                                      : "in its unitless mode, by their digits")};
 }
 
 double to_radiometric(LampUnits::Kind units, bool directional) {
   switch (units) {
-    case Kind::photometric:
+    case LampUnit::photometric:
       return 1 / LampUnits::kLumensPerWatt;
-    case Kind::watts:
+    case LampUnit::watts:
       return directional ? 1 : 1 / kSphere;
-    case Kind::radiometric:
+    case LampUnit::radiometric:
       break;
   }
   return 1;
 }
 
-double to_radiometric(Kind units, const PunctualLight& lamp) {
-  if (lamp.profile && units == Kind::watts) units = Kind::photometric;
+double to_radiometric(LampUnit units, const PunctualLight& lamp) {
+  if (lamp.profile && units == LampUnit::watts) units = LampUnit::photometric;
   return to_radiometric(units, lamp.kind == PunctualLight::Kind::directional);
 }
 
-double to_radiometric(Kind units, const AreaLight& light) {
+double to_radiometric(LampUnit units, const AreaLight& light) {
   // A black surface of radiance L emits the power pi L A from its front.
-  return units == Kind::watts ? 1 / (std::numbers::pi * light.area) : to_radiometric(units, true);
+  return units == LampUnit::watts ? 1 / (std::numbers::pi * light.area)
+                                  : to_radiometric(units, true);
 }
 
 void take_lamps_as(Scene& scene, LampUnits::Kind units) {
-  if (units == Kind::radiometric) return;
+  if (units == LampUnit::radiometric) return;
   for (const AreaLight& light : scene.area_lights) {
     Material& m = scene.materials[light.material];
     const Vec3d radiance = Vec3d(m.emission) * to_radiometric(units, light);

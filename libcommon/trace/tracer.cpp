@@ -87,7 +87,7 @@ struct Tracer::Impl {
 };
 
 namespace {
-constexpr float kInfinite = std::numeric_limits<float>::infinity();
+constexpr float kInfiniteRay = std::numeric_limits<float>::infinity();
 
 // An Embree device that supports what is needed; otherwise throws.
 RTCDevice new_device() {
@@ -261,7 +261,7 @@ const TriangleShape& Tracer::shape(uint32_t triangle) const {
 bool Tracer::first_hit(const Vec3f& from, const Vec3f& w, uint32_t coin,
                        shader::SurfaceHit& hit) const {
   flush_denormals();
-  RTCRayHit found = ray_hit(embree::ray(from.x, from.y, from.z, w.x, w.y, w.z, kInfinite));
+  RTCRayHit found = ray_hit(embree::ray(from.x, from.y, from.z, w.x, w.y, w.z, kInfiniteRay));
   Query query(&coin);
   tdpt_first_hit(impl_->scene, query, found);
   if (found.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
@@ -296,7 +296,7 @@ bool Tracer::segment_blocked(const Vec3f& a, const Vec3f& b, uint32_t coin) cons
                                                          Hit& hit) const {
   flush_denormals();
   const Vec3f d(w);
-  RTCRayHit found = ray_hit(embree::ray(o.x, o.y, o.z, d.x, d.y, d.z, kInfinite));
+  RTCRayHit found = ray_hit(embree::ray(o.x, o.y, o.z, d.x, d.y, d.z, kInfiniteRay));
   tdpt_first_hit(impl_->scene, query, found);
   if (found.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
   hit.triangle = impl_->triangle(found.hit.geomID, found.hit.primID);

@@ -14,7 +14,7 @@ namespace {
 using namespace draw;
 
 constexpr double kTallest = 1000, kGap = 56;  // of all views; between them [pixels]
-constexpr double kNarrowest = 260;            // of a panel, for its caption
+constexpr double kNarrowestPanel = 260;       // of a panel, for its caption
 constexpr size_t kMostCubes = 4000, kMostPoints = 60000, kMostLines = 400;
 constexpr double kCubesFrom = 0.25, kPointsFrom = 0.02;  // of the largest count
 
@@ -52,8 +52,8 @@ std::vector<Panel> views_of(const LightGrid& grid) {
   const double nx = grid.dim[0], ny = grid.dim[1], nz = grid.dim[2];
   const double scale = std::min((kSheetWidth - 2 * kMargin - kGap) / (nx + nz),
                                 (kTallest - kCaptionRoom) / (nz + ny));
-  const double w = std::max(std::round(nx * scale), kNarrowest), h = std::round(ny * scale),
-               d = std::round(nz * scale), e = std::max(d, kNarrowest);
+  const double w = std::max(std::round(nx * scale), kNarrowestPanel), h = std::round(ny * scale),
+               d = std::round(nz * scale), e = std::max(d, kNarrowestPanel);
   const double lower = kHeading + d + kCaptionRoom;
   const Vec3d size = Vec3d(nx, ny, nz) * grid.voxel, middle = grid.origin + size * 0.5;
   const auto view = [&](const Rectangle& r, const Vec3d& right, const Vec3d& up) {

@@ -89,7 +89,7 @@ void label_outline(Drawing& drawing, const std::vector<Vec3d>& outline, const st
 
 // The crossings of the lines with the portal's plane.
 Panel front_of(const LightGrid& grid, const Row& row, const std::vector<SeenLine>& lines,
-               const Rectangle& panel) {
+               const draw::Rectangle& panel) {
   Panel front{.view = Projection::flat(row.frame.o, row.frame.right, row.frame.up, row.half_right,
                                        row.half_up, panel),
               .caption = "from the front, along -z"};
@@ -107,7 +107,7 @@ Panel front_of(const LightGrid& grid, const Row& row, const std::vector<SeenLine
 // The lines on their way, and the portal edge-on. In plan x runs to the right and z down, as in
 // every stage's; openings in floors and ceilings are seen from the front, y up.
 Panel above_of(const LightGrid& grid, const Row& row, const std::vector<SeenLine>& lines,
-               const Rectangle& panel) {
+               const draw::Rectangle& panel) {
   const bool level = std::abs(row.frame.n.y) >= 0.9;
   const double half_right = row.portal ? 6 * grid.voxel : row.half_right,
                half_up = row.portal ? 1.3 * row.half_right : 0.53 * grid.dim[2] * grid.voxel;
@@ -233,7 +233,7 @@ draw::Drawing portal_preview(const LightGrid& grid, const std::vector<Portal>& p
                                   number(static_cast<double>(grid.lines.size())));
   const double height = rows.size() == 1 ? 480 : rows.size() == 2 ? 380 : 340;
   const double width = std::round((kSheetWidth - 3 * kMargin) / 2);
-  Rectangle panel{kMargin, kHeading, width, height};
+  draw::Rectangle panel{kMargin, kHeading, width, height};
   for (size_t i = 0; i < rows.size(); ++i, panel.y += height + kCaptionRoom) {
     const auto seen = lines_to_show(grid, lines, i, rows[i].frame);
     drawing.panels.push_back(front_of(grid, rows[i], seen, panel));

@@ -18,6 +18,9 @@ struct Numbers {
   enum class Kind { numbers, shares, indices } kind = Kind::numbers;
   std::optional<double> fourth{};  ///< VEC3 is allowed, too, and has this as its fourth component
 };
+inline constexpr Numbers kTranslations = {"translations", 3};
+inline constexpr Numbers kRotations = {"rotations", 4, Numbers::Kind::shares};
+inline constexpr Numbers kScales = {"scales", 3};
 
 /// `count` elements (default: all) from element `first` on, all finite. Throws InputError if the
 /// accessor has fewer.

@@ -16,9 +16,6 @@ namespace tdpt::gltf {
 namespace {
 
 constexpr Numbers kTimes = {"times", 1};
-constexpr Numbers kTranslations = {"translations", 3};
-constexpr Numbers kRotations = {"rotations", 4, Numbers::Kind::shares};
-constexpr Numbers kScales = {"scales", 3};
 constexpr Numbers kWeights = {"weights", 1, Numbers::Kind::shares};
 
 using Values = std::vector<double>;

@@ -17,7 +17,7 @@ constexpr const char* kDraco = "KHR_draco_mesh_compression";
 
 // Draco has no bound on its expansion. A flat grid of a million vertices, the most regular mesh
 // with an area, is 700 times as large as its compressed bytes.
-constexpr size_t kAlways = size_t{1} << 26, kMostOfAByte = 1024;
+constexpr size_t kAlwaysDecoded = size_t{1} << 26, kMostPerDracoByte = 1024;
 constexpr size_t kMost = size_t{1} << 33;  // bytes of the largest scene
 
 template <class T>
@@ -77,7 +77,7 @@ std::string indices_of(const draco::Mesh& mesh) {
 class DracoReader {
  public:
   explicit DracoReader(Document& d)
-      : d_(d), most_(std::min(kAlways + kMostOfAByte * bytes_of_buffers(d), kMost)) {}
+      : d_(d), most_(std::min(kAlwaysDecoded + kMostPerDracoByte * bytes_of_buffers(d), kMost)) {}
 
   /// Primitives with the same description share one mesh.
   void run() {

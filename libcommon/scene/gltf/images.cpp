@@ -73,7 +73,7 @@ bool has_few_scans(std::string_view jpeg) {
 
 // A uniform image needs no bits for its texels, so the size of a file does not bound its texels: up
 // to 4096 x 4096 is always accepted, a larger image in proportion to its bytes.
-constexpr int64_t kAlways = int64_t{1} << 24, kMostOfAByte = 4096;
+constexpr int64_t kTexelsAlwaysRead = int64_t{1} << 24, kMostTexelsPerByte = 4096;
 
 bool is_webp(std::string_view bytes) {
   return bytes.size() >= 12 && bytes.starts_with("RIFF") && bytes.substr(8, 4) == "WEBP";
@@ -92,7 +92,8 @@ std::optional<int64_t> webp_texels_declared(std::string_view bytes) {
       features.has_animation || features.width < 1 || features.height < 1)
     return {};
   const int64_t texels = int64_t{features.width} * features.height;
-  if (texels > std::max(kAlways, kMostOfAByte * static_cast<int64_t>(bytes.size()))) return {};
+  if (texels > std::max(kTexelsAlwaysRead, kMostTexelsPerByte * static_cast<int64_t>(bytes.size())))
+    return {};
   return texels;
 }
 

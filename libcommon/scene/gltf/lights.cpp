@@ -14,10 +14,9 @@ namespace tdpt::gltf {
 
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 constexpr const char *kPunctual = "KHR_lights_punctual", *kIes = "EXT_lights_ies",
                      *kArea = "EXT_lights_area";
-constexpr double kLeast = 1e-30, kMost = 1e30;  // intensities
 // Memory per byte of a profile's text: a quarter is mirrored to a full circle, and a number takes
 // two bytes.
 constexpr uint64_t kMostPerByte = 40;
@@ -35,7 +34,8 @@ std::string excess(double intensity) {
 /// The product of a light's color and `number`.
 Vec3d read_intensity(const Value& light, double number) {
   const Vec3d intensity = light["color"].triple(Vec3d(1), 0) * number;
-  if (!(max_component(intensity) <= kMost)) light.fail_because(excess(max_component(intensity)));
+  if (!(max_component(intensity) <= kMostIntensity))
+    light.fail_because(excess(max_component(intensity)));
   return intensity;
 }
 
@@ -182,7 +182,7 @@ class LightReader {
     out.name = profiles_[index].name.empty() ? d_.nodes[n.node].name : profiles_[index].name;
     out.profile = profile(index);
     const double greatest = luminaire.multiplier * out.profile->peak;
-    if (!(greatest <= kMost)) d_.fail(place("nodes", n.node), excess(greatest));
+    if (!(greatest <= kMostIntensity)) d_.fail(place("nodes", n.node), excess(greatest));
     const Vec3d intensity = min(luminaire.colour, Vec3d(1)) * greatest;
     if (max_component(intensity) <= 0) return;
     out.intensity = Rgb(intensity);
@@ -272,7 +272,7 @@ void to_canonical(const Document& d, const Frame& frame, PunctualLight& light) {
   if (light.kind == PunctualLight::Kind::directional) return;
   const Vec3d canonical = Vec3d(light.intensity) * frame.scale * frame.scale;
   const double most = max_component(canonical);
-  if (!(most >= kLeast && most <= kMost))
+  if (!(most >= kLeastIntensity && most <= kMostIntensity))
     d.fail(fmt::format("extensions.{}", light.profile ? kIes : kPunctual),
            fmt::format("an intensity of {} W/sr is {} for a scene {} m long",
                        max_component(light.intensity), most > 1 ? "too much" : "too little",

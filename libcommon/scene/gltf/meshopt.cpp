@@ -12,7 +12,7 @@ namespace tdpt::gltf {
 namespace {
 
 constexpr const char* kMeshopt[] = {"EXT_meshopt_compression", "KHR_meshopt_compression"};
-constexpr size_t kMostOfAByte = 64;
+constexpr size_t kMostPerMeshoptByte = 64;
 
 using Mode = Meshopt::Mode;
 using Filter = Meshopt::Filter;
@@ -85,14 +85,14 @@ std::string unpack_meshopt_view(const Document& d, size_t view) {
   const std::string where = place("bufferViews", view) + ".extensions." + e.extension;
   const std::string_view bytes = buffer_bytes(d, where, e.buffer, e.offset, e.length);
   const size_t count = e.count, stride = e.stride;
-  if (count * stride > kMostOfAByte * bytes.size())
+  if (count * stride > kMostPerMeshoptByte * bytes.size())
     d.fail(where, fmt::format("declares {} elements of {} bytes, expected at most {} bytes from {}",
-                              count, stride, kMostOfAByte * bytes.size(), bytes.size()));
+                              count, stride, kMostPerMeshoptByte * bytes.size(), bytes.size()));
   const size_t all = d.bytes_unpacked + count * stride;
   const size_t buffers = bytes_of_buffers(d);
-  if (all > kMostOfAByte * buffers)  // bufferViews may share compressed bytes
+  if (all > kMostPerMeshoptByte * buffers)  // bufferViews may share compressed bytes
     d.fail(where, fmt::format("brings the scene to {} bytes, expected at most {} from {}", all,
-                              kMostOfAByte * buffers, buffers));
+                              kMostPerMeshoptByte * buffers, buffers));
   expect_memory(d.file, where,
                 fmt::format("{} elements of {} bytes, with those before,", count, stride), all);
   const size_t size = d.views[view].length;
@@ -113,7 +113,7 @@ size_t most_bytes_of_meshopt(const Document& d) {
   for (const BufferView& v : d.views)
     if (v.meshopt)
       most += std::min(v.meshopt->count * v.meshopt->stride,
-                       kMostOfAByte * d.buffers[v.meshopt->buffer].size());
+                       kMostPerMeshoptByte * d.buffers[v.meshopt->buffer].size());
   return most;
 }
 

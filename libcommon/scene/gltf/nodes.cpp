@@ -174,10 +174,6 @@ PlacedNodes place_nodes(const Document& d) {
 
 namespace {
 
-constexpr Numbers kTranslations = {"translations", 3};
-constexpr Numbers kRotations = {"rotations", 4, Numbers::Kind::shares};
-constexpr Numbers kScales = {"scales", 3};
-
 size_t count_of(const Document& d, size_t accessor) {
   return d.accessors[accessor].count;
 }

@@ -18,7 +18,7 @@ constexpr double kOwn = 0.15, kOwnError = 0.3;  // of the effect of one candidat
 constexpr double kUnseen = 10;  // variance, per relMSE of a sample over the number of samples
 // Standard deviations to either end of the interval. Errors are on the safe side, so that 1.645 of
 // them hold the gain in more than nine of ten views.
-constexpr double kNinety = 1.3;
+constexpr double kNinetyOneSided = 1.3;
 
 struct Evidence {
   Traits traits;
@@ -134,7 +134,7 @@ Forecast posterior_costs(std::vector<CandidateEstimate> estimates,
   const size_t i = *best[0], j = *best[1], n = judged.size();
   const std::vector<double>& V = logs.covariance;
   const double variance = V[i * n + i] + V[j * n + j] - 2 * V[i * n + j];
-  const double off = kNinety * std::sqrt(std::max(variance, 0.0));
+  const double off = kNinetyOneSided * std::sqrt(std::max(variance, 0.0));
   const double log = logs.mean[i] - logs.mean[j];
   out.portals_gain = std::exp(log);
   out.gain_low = std::exp(log - off);

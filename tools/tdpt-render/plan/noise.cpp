@@ -16,9 +16,10 @@ namespace tdpt {
 namespace {
 
 constexpr double kDark = 0.01;  // as exrdiff's relMSE
-// Samples of the pilot, over all pixels. With fewer than kFewest samples small pictures give no
-// estimate; after kDarkness samples, and kDarkEach per pixel, without light the pilot stops.
-constexpr uint64_t kFewest = uint64_t{1} << 14, kDarkness = uint64_t{1} << 20, kDarkEach = 64;
+// Samples of the pilot, over all pixels. With fewer than kFewestSamples samples small pictures give
+// no estimate; after kDarkness samples, and kDarkEach per pixel, without light the pilot stops.
+constexpr uint64_t kFewestSamples = uint64_t{1} << 14, kDarkness = uint64_t{1} << 20,
+                   kDarkEach = 64;
 // A fourth of the picture's samples is enough in any case; an eighth, and at most kMostIfKnown
 // samples per pixel, if the estimate is good.
 constexpr uint64_t kShare = 4, kShareIfKnown = 8, kMostIfKnown = uint64_t{1} << 15;
@@ -178,7 +179,7 @@ ErrorPilot run_error_pilot(uint64_t pixels, double target, uint64_t most, const 
     pilot.needed = samples_needed(estimate, kErrorPilotParts, target);
     const uint64_t drawn = pilot.samples();
     if (estimate.lit) {
-      if (drawn * pixels >= kFewest && is_enough(estimate, std::min(pilot.needed, most)))
+      if (drawn * pixels >= kFewestSamples && is_enough(estimate, std::min(pilot.needed, most)))
         return pilot;
     } else if ((drawn >= kDarkEach && drawn * pixels >= kDarkness) || drawn >= most) {
       return pilot;

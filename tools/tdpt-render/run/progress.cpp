@@ -286,16 +286,17 @@ void check_part(const RenderArguments& a, const Progress& progress, const std::s
   const bool is_part = progress.first > 0 || progress.whole > 0;
   if (a.shard.empty()) {
     if (is_part)
-      throw UsageError(
-          fmt::format("--resume {}: is a shard, of {} of {}; give --shard as it was begun", file,
-                      words_of({{progress.first, progress.goal}}), progress.whole));
+      throw UsageError(fmt::format(
+          "--resume {}: is a shard, of {} of {}; give --shard as it was begun", file,
+          words_of(std::vector<SampleRange>{{progress.first, progress.goal}}), progress.whole));
     return;
   }
   const SampleRange part = samples_of_shard(a.shard, progress.spp());
   if (part.first != progress.first || part.count != progress.goal)
-    throw InputError(file, "",
-                     fmt::format("is to hold {}, not those of shard {}",
-                                 words_of({{progress.first, progress.goal}}), a.shard));
+    throw InputError(
+        file, "",
+        fmt::format("is to hold {}, not those of shard {}",
+                    words_of(std::vector<SampleRange>{{progress.first, progress.goal}}), a.shard));
   if (a.add_samples > 0)
     throw UsageError("--add-samples: " + file + " is a shard, which is of a fixed size");
 }

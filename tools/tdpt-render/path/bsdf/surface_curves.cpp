@@ -11,7 +11,10 @@
 namespace tdpt {
 namespace {
 
-using namespace shader;
+using shader::FresnelCurve, shader::Surfaces, shader::ggx_stretched, shader::schlick_curve;
+using shader::kGaussNodes, shader::kInterfaceAlphas, shader::kInterfaceCosines,
+    shader::kSurfaceCurves;
+using shader::kLeastSheenRoughness, shader::kSheenCosines, shader::kSheenRoughnesses;
 using std::numbers::pi;
 
 double node(uint i, uint nodes) {

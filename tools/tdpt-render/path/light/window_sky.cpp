@@ -14,10 +14,10 @@
 namespace tdpt {
 namespace {
 
-constexpr size_t kLines = 1 << 16, kFewest = 1 << 13;  // in all, and at least per window
-constexpr double kAcross = 64;                         // cells along the longest side
-constexpr size_t kAround = 2;                          // extra cells on all sides
-constexpr double kFar = 8;                             // beyond the extent of any scene
+constexpr size_t kLines = 1 << 16, kFewestLines = 1 << 13;  // in all, and at least per window
+constexpr double kAcross = 64;                              // cells along the longest side
+constexpr size_t kAround = 2;                               // extra cells on all sides
+constexpr double kFar = 8;                                  // beyond the extent of any scene
 
 }  // namespace
 
@@ -66,7 +66,7 @@ Vec3d inwards(const Opening& opening, double u, double v) {
 
 WindowViews::WindowViews(const Tracer& tracer, const std::vector<Opening>& openings)
     : openings_(openings) {
-  const size_t each = openings.empty() ? 0 : std::max(kFewest, kLines / openings.size());
+  const size_t each = openings.empty() ? 0 : std::max(kFewestLines, kLines / openings.size());
   std::vector<Line> lines(each * openings.size());
   tbb::parallel_for(size_t{0}, lines.size(), [&](size_t k) {
     const size_t i = k / each;
@@ -339,8 +339,8 @@ void WindowSky::look_around(const Tracer& tracer, const WindowSky& before) {
   views_ = before.views_.are_of(openings) ? before.views_ : WindowViews(tracer, openings);
 }
 
-std::shared_ptr<const WindowFrame> WindowSky::laid_out(const Vec3d& x, const Vec3d& z,
-                                                       const WindowSky& before) const {
+auto WindowSky::laid_out(const Vec3d& x, const Vec3d& z, const WindowSky& before) const
+    -> std::shared_ptr<const WindowFrame> {
   // A rectangle has four axes; windows of one wall share a table.
   std::shared_ptr<const WindowFrame> same;
   for (const Window& w : windows_) {

@@ -102,7 +102,7 @@ constexpr double kCoverOffset = 1e-6;
 // missed by the rays of one round may be found in the next.
 constexpr uint32_t kRounds = 8;
 // A ray misses the cover in a quarter of the triangles that lie wholly in another surface.
-constexpr size_t kFewest = 8, kMost = 256, kAll = size_t{1} << 16;
+constexpr size_t kFewestRays = 8, kMostRays = 256, kAllRays = size_t{1} << 16;
 
 bool emits(const Scene& scene, uint32_t triangle) {
   return max_component(scene.material_of(triangle).emission) > 0;
@@ -196,7 +196,7 @@ std::vector<uint32_t> covered_lamps(const Scene& scene, const Tracer& tracer, ui
   for (uint32_t t = 0; t < scene.triangles.size(); ++t)
     if (emits(scene, t)) lamps.push_back(t);
   if (lamps.empty()) return {};
-  const size_t rays = std::clamp(kAll / lamps.size(), kFewest, kMost);
+  const size_t rays = std::clamp(kAllRays / lamps.size(), kFewestRays, kMostRays);
   std::vector<uint8_t> is_covered(scene.triangles.size());
   tbb::parallel_for(size_t{0}, lamps.size(), [&](size_t k) {
     const uint32_t lamp = lamps[k];
