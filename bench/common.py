@@ -21,11 +21,9 @@ import pages
 
 ROOT = Path(__file__).resolve().parent.parent
 TESTDATA = ROOT / "testdata"
-MAPS = TESTDATA / "environments"
 STAGES = ("ffgraph", "mincut", "lightgrid", "portalfit")
 # Names of what they write, which stand in pictures of it.
 OUTPUTS = {"ffgraph": "room.max", "mincut": "room.cut", "lightgrid": "room.vdb", "portalfit": "room.portal.glb"}
-SKIES = ("overcast", "clear", "sun")
 CORES = os.cpu_count()
 PLACES = ("SCENES", "JOBS", "REFERENCE_FOLDER", "BASELINE")  # settings that tell a reader nothing
 
@@ -356,12 +354,3 @@ def machine():
     """Its cores and its processor."""
     model = re.search(r"^model name\s*: (.*)$", Path("/proc/cpuinfo").read_text(encoding="utf-8"), re.M)
     return f"{CORES} cores" + (f" of {model[1]}" if model else "")
-
-
-def environment(sky, own=None):
-    """What --environment gets for one of SKIES; own: an interior's own map of the sun."""
-    found = {"overcast": "1,1,1", "clear": MAPS / "clear.exr",
-             "sun": own if own and own.exists() else MAPS / "clear-sun.exr"}
-    if sky not in found:
-        raise Stop(2, f"SKIES: {sky} is none of {', '.join(SKIES)}")
-    return found[sky]

@@ -1,7 +1,6 @@
 """Files that the distribution has no Python module for. OpenEXR pictures: scanlines, ZIP, channels B G R; what is
 written is half, or float where a value is beyond half's range; the others come to half's precision there, too, which
-packs to half the size. And glTF binaries: made-up ones, portals at known places, scenes without their smallest
-triangles."""
+packs to half the size. And glTF binaries: made-up ones, portals at known places."""
 import json
 import struct
 import zlib
@@ -246,41 +245,3 @@ def placed(document, nodes, above):
         matrix = above @ _matrix(node)
         yield node, matrix
         yield from placed(document, node.get("children", ()), matrix)
-
-
-def simplified(data, share):
-    """(the scene without its smallest triangles, which make at most `share` of the area (paper, 4.1); how many of how
-    many are gone). What emits stays. A mesh that several nodes show loses those that are small where it is largest."""
-    document, binary = glb_parse(data)
-    largest = {}  # of each primitive: areas, the most of all nodes
-    for node, matrix in placed(document, document["scenes"][document.get("scene", 0)]["nodes"], np.eye(4)):
-        for p, primitive in enumerate(document["meshes"][node["mesh"]]["primitives"] if "mesh" in node else ()):
-            if primitive.get("mode", 4) != 4 or "indices" not in primitive or _emits(document, primitive):
-                continue
-            places = gltf_array(document, binary, primitive["attributes"]["POSITION"]).astype(float) @ matrix[:3, :3].T
-            a, b, c = places[gltf_array(document, binary, primitive["indices"]).reshape(-1, 3)].swapaxes(0, 1)
-            areas = np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2
-            largest[node["mesh"], p] = np.maximum(largest.get((node["mesh"], p), 0), areas)
-    all_areas = np.sort(np.concatenate(list(largest.values())))
-    gone = np.searchsorted(np.cumsum(all_areas), share * all_areas.sum(), side="right")
-    least = all_areas[min(gone, len(all_areas) - 1)]
-    dropped = 0
-    for (mesh, p), areas in largest.items():
-        primitive = document["meshes"][mesh]["primitives"][p]
-        indices = gltf_array(document, binary, primitive["indices"]).reshape(-1, 3)
-        kept = areas >= least
-        if not kept.any():  # glTF has no empty primitives
-            kept[np.argmax(areas)] = True
-        dropped += int((~kept).sum())
-        new = indices[kept].astype("<u4").tobytes()
-        document["bufferViews"].append({"buffer": 0, "byteOffset": len(binary), "byteLength": len(new)})
-        document["accessors"].append({"bufferView": len(document["bufferViews"]) - 1, "componentType": INTEGERS,
-                                      "count": 3 * int(kept.sum()), "type": "SCALAR"})
-        primitive["indices"] = len(document["accessors"]) - 1
-        binary += new
-    document["buffers"][0]["byteLength"] = len(binary)
-    return glb_content(document, binary), dropped, len(all_areas)
-
-
-def _emits(document, primitive):
-    return "material" in primitive and any(document["materials"][primitive["material"]].get("emissiveFactor", ()))

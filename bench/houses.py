@@ -117,39 +117,41 @@ def right_table(bench, views, portals):
 WAYS = ("found", "drawn", "without")
 
 
+def costs_of(bench, view, portals, references):
+    """({way: samples of relMSE x CPU seconds} of pictures by auto that take turns, the black picture's relMSE). portals:
+    {way: options}; references: the ways whose portals make the two halves of the reference."""
+    s, costs = bench.settings, {way: [] for way in portals}
+    common = (view.scene, "--camera", view.camera, *view.sky, "--width", s.width, "--height", s.width * 9 // 16,
+              "--integrator", "auto")
+    reference = Halves(bench, *(bench.render(*common, *portals[way], "--time", f"{s.reference / 2:g}", "--seed",
+                                             1000000 + half).out for half, way in enumerate(references, 1)))
+    for seed, way in turns(range(1, s.seeds + 1), portals):
+        run = bench.render(*common, *portals[way], "--time", f"{s.seconds_each:g}", "--seed", seed)
+        costs[way].append(reference.off(run.out)["relmse"] * run.said["cpu_seconds"])
+    bench.say(f"{view.name}: " + ", ".join(f"{way} {np.mean(c):.3g}" for way, c in costs.items()))
+    return costs, reference.black["relmse"]
+
+
 def worth_rows(bench, views, portals):
-    """Of each view {way: samples of relMSE x CPU seconds}."""
-    s, rows = bench.settings, []
+    """(view, *costs_of) of each."""
     for view, found_here in zip(views, portals):
-        truth = Truth(bench, view)
         drawn = bench.cache / f"{view.name}.drawn.glb"
-        truth.draw(drawn)
-        common = ("--camera", view.camera, *view.sky, "--width", s.width, "--height", s.width * 9 // 16)
-        files = {"found": found_here.file, "drawn": drawn}
-        reference = Halves(bench, *(bench.render(
-            view.scene, *common, "--integrator", "auto", "--portal", drawn, "--time", f"{s.reference / 2:g}",
-            "--seed", 1000000 + half).out for half in (1, 2)))
-        costs = {way: [] for way in WAYS}
-        for seed, way in turns(range(1, s.seeds + 1), WAYS):
-            with_portals = ("--portal", files[way]) if way in files and (way != "found" or found_here.count) else ()
-            run = bench.render(view.scene, *common, "--integrator", "auto", *with_portals, "--time",
-                               f"{s.seconds_each:g}", "--seed", seed)
-            costs[way].append(reference.off(run.out)["relmse"] * run.said["cpu_seconds"])
-        bench.say(f"{view.name}: " + ", ".join(f"{way} {np.mean(c):.3g}" for way, c in costs.items()))
-        rows.append((view, costs, reference))
-    return rows
+        Truth(bench, view).draw(drawn)
+        with_portals = {"found": ("--portal", found_here.file) if found_here.count else (), "drawn": ("--portal", drawn),
+                        "without": ()}
+        yield view, *costs_of(bench, view, with_portals, ("drawn", "drawn"))
 
 
 def worth_table(rows):
     table, over_drawn, over_none = [], [], []
-    for view, costs, reference in rows:
+    for view, costs, black in rows:
         to_drawn = stats.ratio(costs["drawn"], costs["found"])
         to_none = stats.ratio(costs["without"], costs["found"])
         drawn_to_none = stats.ratio(costs["without"], costs["drawn"])
         over_drawn.append(to_drawn.value), over_none.append(to_none.value)
         table.append([view.name, *("%.3g" % np.mean(costs[way]) for way in WAYS), to_drawn.text(pages.hundredths),
                       to_none.text(pages.hundredths), drawn_to_none.text(pages.hundredths),
-                      pages.three(reference.black["relmse"])])
+                      pages.three(black)])
     mean = lambda values: pages.hundredths(math.exp(np.mean(np.log([v for v in values if v > 0]))))
     return pages.sections(
         pages.table(("view", *(f"{way}, relMSE x CPU s" for way in WAYS), "found over drawn", "found over without",
@@ -184,25 +186,13 @@ def houses(bench):
 # ---- Several cameras ----
 def cameras_row(bench, views):
     """Of one house, portals found for all cameras together beside those that each finds alone."""
-    s, scene, sky = bench.settings, views[0].scene, views[0].sky
     together = found(bench, views[0]._replace(camera="all"))
-    alone = [found(bench, view) for view in views]
-    ratios = []
+    alone, ratios = [found(bench, view) for view in views], []
     for view, own in zip(views, alone):
-        common = ("--camera", view.camera, *sky, "--width", s.width, "--height", s.width * 9 // 16)
-        files = {"together": together, "alone": own}
-        portals = {way: ("--portal", of.file) if of.count else () for way, of in files.items()}
-        # Neither way's portals make both halves of the reference.
-        reference = Halves(bench, *(bench.render(
-            scene, *common, "--integrator", "auto", *portals[way], "--time", f"{s.reference / 2:g}", "--seed",
-            1000000 + half).out for half, way in enumerate(portals, 1)))
-        costs = {way: [] for way in portals}
-        for seed, way in turns(range(1, s.seeds + 1), portals):
-            run = bench.render(scene, *common, "--integrator", "auto", *portals[way], "--time", f"{s.seconds_each:g}",
-                               "--seed", seed)
-            costs[way].append(reference.off(run.out)["relmse"] * run.said["cpu_seconds"])
+        ways = {"together": together, "alone": own}
+        portals = {way: ("--portal", of.file) if of.count else () for way, of in ways.items()}
+        costs, _ = costs_of(bench, view, portals, ways)  # neither way's portals make both halves of the reference
         ratios.append(stats.ratio(costs["alone"], costs["together"]))
-        bench.say(f"{view.name}: {ratios[-1].text(pages.hundredths)} of its own portals")
     cpu = [own.cpu for own in alone]
     return [views[0].name.split(".")[0], len(views), *("%.1f" % c for c in (together.cpu, max(cpu), sum(cpu))),
             "%.1f" % (together.cpu / max(cpu)), pages.hundredths(math.exp(np.mean(np.log([r.value for r in ratios])))),

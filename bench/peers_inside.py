@@ -21,8 +21,6 @@ import numpy as np
 
 from formats import exr_write
 
-sys.path.pop(0)  # This folder has a cycles.py, and so has Blender.
-
 LUXCORE_DEPTH = 16  # vertices of each half of a path; without Russian roulette, which makes BIDIRCPU too bright
 CYCLES_DEPTH = 1024  # bounces, the most that it has
 PASS = 8  # samples per pixel that Mitsuba makes at a time

@@ -3,12 +3,11 @@ import functools
 import hashlib
 import json
 import os
-import re
 import resource
 import subprocess
 import tempfile
 import urllib.parse
-from collections import Counter, defaultdict
+from collections import Counter
 from pathlib import Path
 
 import numpy as np
@@ -56,7 +55,7 @@ def scenes(folder):
 
 
 def attempt(folder, program, path):
-    """(what became of it, its words)."""
+    """(what became of it, the last line of what it said)."""
     options = PROGRAMS[program]
     with tempfile.TemporaryDirectory() as scratch:
         out = os.path.join(scratch, "out")
@@ -67,32 +66,12 @@ def attempt(folder, program, path):
         except subprocess.TimeoutExpired:
             return "hang", ""
         words = run.stderr.decode("utf-8", "replace")
+        told = (words.strip().split("\n") or [""])[-1]
         if run.returncode:
-            return "refused" if run.returncode == 3 else "crash", words
+            return "refused" if run.returncode == 3 else "crash", told
         if program == "tdpt-render" and not np.isfinite(exr_read(out)[0]).all():
-            return "not finite", words
-        return "read with warnings" if "warning: " in words else "read", words
-
-
-def message(words, path):
-    """The last line without program, path and numbers, so that those alike fall together."""
-    line = (words.strip().split("\n") or [""])[-1].replace(path, "FILE")
-    line = re.sub(r"^[\w-]+: ", "", line)
-    return re.sub(r"-?\d+(\.\d+)?(e[-+]?\d+)?", "N", re.sub(r'"[^"]*"', '"..."', line))
-
-
-def tell(results):
-    """Prints tables of {(program, path): (kind, words)}; whether nothing went wrong."""
-    counts = Counter((program, of) for (program, _), (of, _) in results.items())
-    kinds = ["read", "read with warnings", "refused", *WRONG]
-    print(pages.table(("program", *kinds), [[p, *(counts[p, k] for k in kinds)] for p in PROGRAMS]) + "\n")
-    groups = defaultdict(list)
-    for (program, path), (of, words) in results.items():
-        if of in WRONG or (of == "refused" and program == "tdpt-render"):
-            groups[of, message(words, path)].append(path)
-    for (of, text), paths in sorted(groups.items(), key=lambda g: -len(g[1])):
-        print(f"{len(paths):5} {of}: {text}: {paths[0]}")
-    return not any(of in WRONG for of, _ in results.values())
+            return "not finite", told
+        return "read with warnings" if "warning: " in words else "read", told
 
 
 @settings(FOLDER=Setting("", "that of the files"))
@@ -106,5 +85,11 @@ def public_files(bench):
     print(f"{len(found)} files; {copies} copies and {pointers} pointers of Git LFS left out\n")
     jobs = [(program, path) for path in found for program in PROGRAMS]
     results = bench.side_by_side([functools.partial(attempt, bench.programs, *job) for job in jobs])
-    if not tell(dict(zip(jobs, results))):
+    for (_, path), (of, told) in zip(jobs, results):
+        if of not in ("read", "read with warnings"):
+            print(f"{of}: {path}: {told}")
+    counts = Counter((program, of) for (program, _), (of, _) in zip(jobs, results))
+    kinds = ["read", "read with warnings", "refused", *WRONG]
+    print("\n" + pages.table(("program", *kinds), [[p, *(counts[p, k] for k in kinds)] for p in PROGRAMS]))
+    if any(of in WRONG for of, _ in results):
         raise Stop(1, "something went wrong")
