@@ -9,7 +9,7 @@ import numpy as np
 
 import pages
 import stats
-from common import HAVE_QUALITY, STAGES, TESTDATA, Halves, Setting, settings
+from common import SEEDED, STAGES, TESTDATA, Halves, Setting, settings
 from formats import Builder, glb_parse, gltf_array
 
 # ---- Quality ----
@@ -27,7 +27,7 @@ def quality_row(bench, scene, quality, seed):
     """Portals found with that quality, and a picture by tdpt-guided through them, always of as many samples."""
     path, about = bench.find(scene), pages.read_json(REFERENCES / f"{scene}.json")
     found = bench.portals(path, threads=1, options=lambda program: (
-        "--seed", seed, "--quality", quality) if program in HAVE_QUALITY else ())
+        "--seed", seed, "--quality", quality) if program in SEEDED else ())
     size = ("--width", about["width"], "--height", about["height"], "--max-depth", about["max_depth"])
     spp = max(1, round(bench.settings.samples / (about["width"] * about["height"])))
     run = bench.render(path, "--portal", found.file, "--integrator", "tdpt-guided", *size, "--spp", spp, "--seed", 100 + seed)

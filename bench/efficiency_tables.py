@@ -1,6 +1,6 @@
 """The tables of doc/efficiency.md.
 
-cost = error x CPU seconds, error = relMSE or MSE; gain of a over b = mean cost of b / mean cost of a. Intervals of
+cost = relMSE x CPU seconds; gain of a over b = mean cost of b / mean cost of a. Intervals of
 gains: stats.py. A firefly that no seed met is in no interval.
 
 NAME-before is integrator NAME of the older program that gains are told over."""
@@ -39,10 +39,6 @@ def digits(x):
     return next((f for limit, f in formats if x < limit), "%.2g") % x
 
 
-def decibels(x):
-    return "%+.1f" % (10 * math.log10(x))
-
-
 def verdict(gain, wanted):
     if not math.isfinite(gain.value):
         return "-"
@@ -73,8 +69,8 @@ class Measurements:
     def measured(self, scene, integrators=None):
         return [i for i in integrators or self.integrators if len(self.field("seed", scene, i))]
 
-    def costs(self, scene, integrator, error="relmse"):
-        return self.field(error, scene, integrator) * self.field("cpu_seconds", scene, integrator)
+    def costs(self, scene, integrator):
+        return self.field("relmse", scene, integrator) * self.field("cpu_seconds", scene, integrator)
 
     def cheapest(self, scene, integrators):
         """By relMSE; the first where none is known. None of none."""
@@ -92,19 +88,16 @@ class Measurements:
         there = [i for i in self.measured(scene) if i.startswith(("tdpt", "auto"))]
         return "auto" if "auto" in there else self.cheapest(scene, there) if there else None
 
-    def over_base(self, scene, integrator, error="relmse"):
+    def over_base(self, scene, integrator):
         base = self.base(scene)
         if not base or not integrator:
             return stats.Ratio()
-        gain = stats.ratio(self.costs(scene, base, error), self.costs(scene, integrator, error))
+        gain = stats.ratio(self.costs(scene, base), self.costs(scene, integrator))
         return stats.Ratio(gain.value) if base == integrator else gain
 
-    def told(self, scene, integrator, error="relmse"):
-        """The same as text; of MSE in decibels."""
-        gain, itself = self.over_base(scene, integrator, error), integrator == self.base(scene)
-        if error == "mse":
-            return "0" if itself else gain.bounded().text(decibels)
-        return "1" if itself else gain.text(digits, "?")
+    def told(self, scene, integrator):
+        """The same as text."""
+        return "1" if integrator == self.base(scene) else self.over_base(scene, integrator).text(digits, "?")
 
     # ---- Tables; empty where there is no scene ----
     def of_group(self, group):
@@ -135,11 +128,6 @@ class Measurements:
                          INTERIORS_AIM, f"{judged}: {verdict(means[judged], INTERIORS_AIM)}" if judged else "-", "-"])
         heads = ("scene", *shown, "target (ambitious)", "met", "efficiency of bdpt [1/s]")
         return table(heads, rows) if rows else ""
-
-    def psnrs(self, group):
-        shown = self.shown(group)
-        rows = [[scene, *(self.told(scene, i, "mse") for i in shown)] for scene in self.of_group(group)]
-        return table(("scene", *shown), rows) if rows else ""
 
     def noisy(self):
         def too_noisy(scene):

@@ -1,5 +1,5 @@
-"""The paper's figures from our renders (in doc/efficiency.md) and pictures of what each stage did (in doc/portals.md);
-small pictures of both for the README; and `make demo`."""
+"""The paper's figures from our renders (in doc/efficiency.md), pictures of what each stage did (in doc/portals.md), the
+README's picture, and `make demo`."""
 import os
 import shutil
 import subprocess
@@ -91,56 +91,28 @@ def figures(bench):
 
 
 # ---- Pictures of the stages ----
-@settings(SCENE=Setting("", "the room behind a door; default veach-ajar.glb of the paper's scenes"),
-          INTERIOR=Setting("", "a room whose lamp stands in its own window, for the last picture; default kitchen.glb "
-                           "of the interiors; left out, with a word, where it is not there"),
-          WINDOWS=Setting("", "a room lit by an environment through its windows; default living-room.glb of the "
-                          "interiors; left out, with a word, where it is not there"),
-          SKY=Setting("", "what shines on WINDOWS, --environment; default the map beside it, NAME.env.exr"))
+@settings(SCENE=Setting("", "a scene of yours, alone; default: a room behind a door, one with windows under a sky, and one whose "
+                        "lamp stands in its own window, of the paper's scenes and interiors, as far as they are there"),
+          SKY=Setting("", "what shines on SCENE, --environment"))
 def stages(bench):
-    """The pictures of the stages in doc/portals.md, for a room behind a door and for one with windows; the cache
-    receives the same for 3D viewers."""
-    s, scenes = bench.settings, Path(bench.settings.scenes)
-    scene, interior, windows = (Path(given or scenes / name).resolve() for given, name in (
-        (s.scene, "veach-ajar.glb"), (s.interior, "interiors/kitchen.glb"), (s.windows, "interiors/living-room.glb")))
-    if not scene.exists():
-        raise Stop(3, f"there is no scene {scene}; name one with SCENE=FILE")
-    (bench.doc / "figures").mkdir(exist_ok=True)
-
-    def pictures(room, suffix, sky=()):
-        made = ("--preview", Made("preview.png"), "--debug-glb", Made("debug.glb"))
-        of = bench.portals(room, sky, lambda program: (*(("--scene", room) if program == "mincut" else ()), *made))
-        for program, run in of.runs.items():
-            shutil.copy(run.folder / "preview.png", bench.doc / f"figures/stage-{program}{suffix}.png")
-            shutil.copy(run.folder / "debug.glb", bench.cache / f"{program}{suffix}.debug.glb")
-
-    pictures(scene, "")
-    if interior.exists():
-        cut = bench.store.run("mincut", bench.store.run("ffgraph", interior, threads=0).out, "--scene", interior,
-                              "--preview", Made("preview.png"), threads=0)
-        shutil.copy(cut.folder / "preview.png", bench.doc / "figures/stage-mincut-kitchen.png")
-    else:
-        bench.say(f"{interior} is not there: its picture is left out")
-    if windows.exists():
-        sky = s.sky or windows.with_suffix(".env.exr")
-        pictures(windows, "-windows", ("--environment", Path(sky) if Path(sky).exists() else sky))
-    else:
-        bench.say(f"{windows} is not there: its pictures are left out")
-    names = ",".join(STAGES)
-    bench.say(f"{bench.doc}/figures/stage-{{{names}}}.png, for 3D viewers {bench.cache}/*.debug.glb")
-
-
-@settings()
-def thumbnails(bench):
-    """The small pictures of README.md, 240 pixels wide, cut from those that stages and figures draw."""
-    bench.need("convert")
-    folder = bench.doc / "figures"
-    for name, of, part in (("ffgraph", "stage-ffgraph", "790x393+774+92"), ("mincut", "stage-mincut", "790x393+774+92"),
-                           ("lightgrid", "stage-lightgrid", "980x480+55+92"),
-                           ("portalfit", "stage-portalfit", "748x380+34+92"),
-                           ("tdpt-render", "fig7-veach-ajar-tdpt", "213x120+215+0")):
-        subprocess.run(["convert", folder / f"{of}.png", "-crop", part, "+repage", "-resize", "240x", "-strip",
-                        folder / f"thumbnail-{name}.png"], check=True)
+    """The pictures of the stages in doc/portals.md; the cache receives the same for 3D viewers."""
+    s, (folder, made) = bench.settings, (bench.doc / "figures", ("--preview", Made("preview.png"), "--debug-glb", Made("debug.glb")))
+    folder.mkdir(exist_ok=True)
+    own = bench.find("living-room")
+    rooms = [(Path(s.scene).resolve(), "", s.sky, STAGES)] if s.scene else [
+        (bench.find("veach-ajar"), "", "", STAGES), (own, "-windows", own and own.with_suffix(".env.exr"), STAGES),
+        (bench.find("kitchen"), "-kitchen", "", ("mincut",))]
+    for scene, suffix, sky, programs in rooms:
+        if not scene or not scene.exists():
+            bench.say(f"there is no scene {scene or 'for stage-*' + suffix + '.png'}, left out")
+            continue
+        light = ("--environment", Path(sky) if Path(sky).exists() else sky) if sky else ()
+        of = bench.portals(scene, light, lambda program, scene=scene: (
+            *(("--scene", scene) if program == "mincut" else ()), *made))
+        for program in programs:
+            shutil.copy(of.runs[program].folder / "preview.png", folder / f"stage-{program}{suffix}.png")
+            shutil.copy(of.runs[program].folder / "debug.glb", bench.cache / f"{program}{suffix}.debug.glb")
+    bench.say(f"{folder}/stage-*.png, for 3D viewers {bench.cache}/*.debug.glb")
 
 
 # ---- A portal for a room lit through a hole, and what it is good for ----

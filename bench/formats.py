@@ -26,8 +26,8 @@ def _zip(raw):
     return packed if len(packed) < len(raw) else raw
 
 
-def exr_content(rgb, comments="", **strings):
-    """The bytes of the file. `rgb`: height x width x 3, row 0 at the top; strings: more attributes."""
+def exr_content(rgb):
+    """The bytes of the file. `rgb`: height x width x 3, row 0 at the top."""
     height, width, channels = rgb.shape
     if channels != 3:
         raise ValueError(f"{channels} channels, expected 3")
@@ -40,7 +40,6 @@ def exr_content(rgb, comments="", **strings):
     window = struct.pack("<4i", 0, 0, width - 1, height - 1)
     head = struct.pack("<2i", 20000630, 2) + b"".join(_attribute(*of) for of in (
         ("channels", "chlist", kinds),
-        *((name, "string", text.encode()) for name, text in {"comments": comments, **strings}.items() if text),
         ("compression", "compression", ZIP), ("dataWindow", "box2i", window), ("displayWindow", "box2i", window),
         ("lineOrder", "lineOrder", b"\0"), ("pixelAspectRatio", "float", struct.pack("<f", 1)),
         ("screenWindowCenter", "v2f", bytes(8)), ("screenWindowWidth", "float", struct.pack("<f", 1)))) + b"\0"
@@ -63,13 +62,13 @@ def _unzip(packed, size):
 
 
 def _attributes(data):
-    """{name: (type, bytes)}, and where the header ends."""
+    """{name: bytes}, and where the header ends."""
     found, place = {}, 8
     while data[place]:
         name, kind, rest = data[place:].split(b"\0", 2)
         place += len(name) + len(kind) + 6
         (size,) = struct.unpack_from("<i", rest)
-        found[name.decode()] = kind.decode(), rest[4 : 4 + size]
+        found[name.decode()] = rest[4 : 4 + size]
         place += size
     return found, place + 1
 
@@ -85,14 +84,14 @@ def _channels(head):
 
 
 def exr_parse(data, path="picture"):
-    """(height x width x 3 of R G B, its string attributes) of the bytes of a file; what else it has is left out."""
+    """Height x width x 3 of R G B, of the bytes of a file; what else it has is left out."""
     attributes, place = _attributes(data)
-    left, top, right, bottom = struct.unpack("<4i", attributes["dataWindow"][1])
+    left, top, right, bottom = struct.unpack("<4i", attributes["dataWindow"])
     width, height = right - left + 1, bottom - top + 1
-    channels = _channels(attributes["channels"][1])
+    channels = _channels(attributes["channels"])
     if not {"R", "G", "B"} <= {name for name, _ in channels}:
         raise ValueError(f"{path}: expected channels B G R")
-    if attributes["compression"][1] != ZIP:
+    if attributes["compression"] != ZIP:
         raise ValueError(f"{path}: expected ZIP compression")
     line = sum(size for _, size in channels) * width
     rgb = np.empty((height, width, 3))
@@ -106,15 +105,15 @@ def exr_parse(data, path="picture"):
                 part = np.ascontiguousarray(raw[:, at : at + size * width]).view("<f2" if size == 2 else "<f4")
                 rgb[y - top : y - top + lines, :, "RGB".index(name)] = part
             at += size * width
-    return rgb, {name: value.decode() for name, (kind, value) in attributes.items() if kind == "string"}
+    return rgb
 
 
 def exr_read(path):
     return exr_parse(Path(path).read_bytes(), path)
 
 
-def exr_write(path, rgb, comments="", **strings):
-    Path(path).write_bytes(exr_content(rgb, comments, **strings))
+def exr_write(path, rgb):
+    Path(path).write_bytes(exr_content(rgb))
 
 
 # ---- glTF binaries ----
@@ -183,6 +182,10 @@ class Builder:
             primitive["material"] = material
         self.node({"mesh": self.add("meshes", {"primitives": [primitive]}), **node})
 
+    def polygon(self, corners, name):
+        """A flat one, as a fan of triangles."""
+        self.mesh(corners, [i for k in range(1, len(corners) - 1) for i in (0, k, k + 1)], name=name)
+
     def camera(self, eye, target, **perspective):
         """Upright, at eye, looking at target."""
         back = np.asarray(eye, float) - target
@@ -211,7 +214,7 @@ def portals_glb(rectangles):
     builder = Builder()
     for i, rectangle in enumerate(rectangles):
         corner, u, v = (np.array(x, float) for x in rectangle)
-        builder.mesh([corner, corner + u, corner + u + v, corner + v], [0, 1, 2, 0, 2, 3], name=f"portal.{i}")
+        builder.polygon([corner, corner + u, corner + u + v, corner + v], f"portal.{i}")
     return builder.content()
 
 

@@ -27,9 +27,9 @@ def cameras_of(scene):
             for node in document["nodes"] if "camera" in node]
 
 
-def views_of(bench, only=None):
-    """Those of ONLY, or of `only`, or of all houses: a house or HOUSE.CAMERA."""
-    only, views = bench.settings.only if only is None else only, []
+def views_of(bench):
+    """Those of ONLY, or of all houses: a house or HOUSE.CAMERA."""
+    only, views = bench.settings.only, []
     folder = Path(bench.settings.scenes) / "houses"
     for house in HOUSES:
         scene, sky = folder / f"{house}.glb", folder / f"{house}.env.exr"
@@ -70,19 +70,11 @@ class Truth:
     def draw(self, out):
         """A portal in each opening that LEAST of the light passes, facing the way that most of it goes."""
         polygons = {o["name"]: o["polygon"] for o in json.loads(self.view.openings.read_text(encoding="utf-8"))}
-        builder, drawn = Builder(), 0
-        for opening in self.score()[0]["openings"]:
-            if opening["light"] < LEAST:
-                continue
+        builder = Builder()
+        for drawn, opening in enumerate(o for o in self.score()[0]["openings"] if o["light"] >= LEAST):
             corners = np.array(polygons[opening["name"]], float)
-            normal = sum(np.cross(corners[i] - corners[0], corners[i + 1] - corners[0])
-                         for i in range(1, len(corners) - 1))
-            towards = np.array(opening["towards"])
-            if np.dot(normal, towards) < 0:
-                corners = corners[::-1]
-            fan = [corner for i in range(1, len(corners) - 1) for corner in (0, i, i + 1)]
-            builder.mesh(corners, fan, name=f"portal.{drawn}")
-            drawn += 1
+            normal = sum(np.cross(a - corners[0], b - corners[0]) for a, b in zip(corners[1:], corners[2:]))
+            builder.polygon(corners[:: 1 if normal @ opening["towards"] >= 0 else -1], f"portal.{drawn}")
         Path(out).write_bytes(builder.content())
 
 

@@ -9,14 +9,13 @@ import numpy as np
 import pages
 import stats
 from common import ROOT, Halves, Setting, Stop, checked, peers_python, settings, turns
-from formats import exr_read, glb_content, glb_parse, gltf_array, placed
+from formats import glb_content, glb_parse, gltf_array, placed
 from sky import Cell, Picture, black_words
 
 # What light comes through, by rooms of testdata or HOUSE.CAMERA.
 VIEWS = {"half-metre-hole": "a hole of 0.50 m", "two-rooms": "a hole of 0.25 m", "small-hole": "a hole of 0.10 m",
          "three-rooms": "two holes of 0.25 m in a row", "door-ajar": "a door ajar",
          "jasmin-night.bedroom": "two doors ajar, a house", "sample-house-night.bedroom": "one door, a house"}
-LIT = ("jasmin-night.hall", "sample-house-night.living")  # of the same houses, in lamplight: means without much noise
 PEERS = {"cycles": "Cycles", "cycles-guided": "Cycles, path guiding", "luxcore": "LuxCore, bidirectional",
          "mitsuba": "Mitsuba, path"}
 OURS = {"bdpt": "our `bdpt`", "auto": "our `auto`, portals found"}
@@ -171,16 +170,6 @@ def measured(view, methods):
     return cell
 
 
-def same_means(view, methods):
-    """{method: means of pictures} of a view with little noise; ours by bdpt."""
-    s, means = view.bench.settings, {}
-    for method in methods:
-        made = (view.theirs(method, list(range(1, s.seeds + 1)), ("--cpu-seconds", s.means_seconds)) if method in PEERS else
-                [view.ours("bdpt", seed, view.samples_in("bdpt", s.means_seconds)) for seed in range(1, s.seeds + 1)])
-        means[method] = np.array([exr_read(path)[0].mean() for path, _, _ in made])
-    return means
-
-
 # ---- Page ----
 NAMES = {**PEERS, **OURS}
 
@@ -205,12 +194,12 @@ def pictures_table(cells):
     return pages.table(("view", "method", "samples per pixel", "CPU s", "relMSE", "PSNR, dB"), rows)
 
 
-def means_table(means):
-    """means: {view: {method: those of its pictures}}, with ours of bdpt, which the others are held against."""
+def means_table(cells):
+    """Of the pictures, beside those of bdpt."""
     rows = []
-    for name, of in means.items():
-        ours = np.mean(of["bdpt"])
-        for method, values in of.items():
+    for name, cell in cells.items():
+        ours = np.mean(cell.means["bdpt"])
+        for method, values in cell.means.items():
             mean, error = stats.mean_and_error(np.array(values))
             apart = f"{100 * (mean / ours - 1):+.2f} %" if method != "bdpt" else ""
             rows.append([name, NAMES[method], "%.5g" % mean, f"{100 * error / mean:.2f} %", apart])
@@ -219,8 +208,7 @@ def means_table(means):
 
 @settings(SECONDS_EACH=Setting(5.0, "CPU seconds of a picture", 1.0), SEEDS=Setting(4, "pictures of each kind", 2),
           REF=Setting(8.0, "how many times as long each half of a reference takes", 2.0),
-          MEANS=Setting(LIT, "views with little noise, whose means are compared, too, or none"),
-          MEANS_SECONDS=Setting(3.0, "CPU seconds of a picture of these", 0.5), WIDTH=Setting(96, "of the pictures", 48))
+          WIDTH=Setting(96, "of the pictures", 48))
 def peers(bench):
     """Other renderers beside ours in equal CPU time: rooms behind holes and doors and views of real buildings without
     their panes, several seeds taking turns, one thread each. ONLY: views, as NAME or HOUSE.CAMERA. `make peers` installs
@@ -233,9 +221,6 @@ def peers(bench):
     for method in set(PEERS) - set(methods):
         bench.say(f"{PEERS[method]} is not installed (make peers), left out")
     views = [View(bench, name, versions) for name in bench.settings.only or VIEWS]
-    lit = [View(bench, name, versions) for name in bench.settings.means if name != "none"]
-    means = bench.side_by_side([functools.partial(same_means, view, [*methods, "bdpt"]) for view in lit])
     cells = bench.side_by_side([functools.partial(measured, view, [*methods, *OURS]) for view in views])
-    made, means = {v.name: c for v, c in zip(views, cells)}, {v.name: of for v, of in zip(lit, means)}
-    bench.page("peers", {"gains": gains_table(made), "pictures": pictures_table(made),
-                         "means": means_table({**means, **{name: cell.means for name, cell in made.items()}})})
+    made = {view.name: cell for view, cell in zip(views, cells)}
+    bench.page("peers", {"gains": gains_table(made), "pictures": pictures_table(made), "means": means_table(made)})

@@ -1,12 +1,10 @@
 """What becomes of glTF files as they come: doc/scenes.md, "Public files"."""
 import functools
 import hashlib
-import json
 import os
 import resource
 import subprocess
 import tempfile
-import urllib.parse
 from collections import Counter
 from pathlib import Path
 
@@ -25,33 +23,14 @@ PROGRAMS = {"tdpt-render": [*SKY, "--width", "64", "--height", "48", "--spp", "4
 WRONG = ("crash", "hang", "not finite")  # and must not be
 
 
-def beside(path, data):
-    """Contents of the files that a .gltf names."""
-    try:
-        scene = json.loads(data)
-        names = [p["uri"] for section in ("buffers", "images") for p in scene.get(section, [])
-                 if "uri" in p and not p["uri"].startswith("data:")]
-        files = [path.parent / urllib.parse.unquote(name) for name in names]
-        return [file.read_bytes() for file in files if file.is_file()]
-    except (AttributeError, TypeError, ValueError):
-        return []
-
-
 def scenes(folder):
-    """The files to try, and how many are left out as copies and as pointers."""
-    found, seen, copies, pointers = [], set(), 0, 0
+    """The files to try: one of those of the same bytes, and no pointer of Git LFS."""
+    found = {}
     for path in sorted(p for p in Path(folder).rglob("*") if p.suffix.lower() in (".glb", ".gltf") and p.is_file()):
         data = path.read_bytes()
-        all_of_it = [data, *beside(path, data)]
-        key = hashlib.sha256(b"\0".join(all_of_it)).digest()
-        if any(part.startswith(POINTER) for part in all_of_it):
-            pointers += 1
-        elif key in seen:
-            copies += 1
-        else:
-            seen.add(key)
-            found.append(str(path))
-    return found, copies, pointers
+        if not data.startswith(POINTER):
+            found.setdefault(hashlib.sha256(data).digest(), str(path))
+    return list(found.values())
 
 
 def attempt(folder, program, path):
@@ -69,7 +48,7 @@ def attempt(folder, program, path):
         told = (words.strip().split("\n") or [""])[-1]
         if run.returncode:
             return "refused" if run.returncode == 3 else "crash", told
-        if program == "tdpt-render" and not np.isfinite(exr_read(out)[0]).all():
+        if program == "tdpt-render" and not np.isfinite(exr_read(out)).all():
             return "not finite", told
         return "read with warnings" if "warning: " in words else "read", told
 
@@ -77,13 +56,10 @@ def attempt(folder, program, path):
 @settings(FOLDER=Setting("", "that of the files"))
 def public_files(bench):
     """Tries tdpt-render, ffgraph and tdpt-info on every glTF file below FOLDER, as it comes, and tells what became of
-    them. Files with the same bytes are tried once; those that are pointers of Git LFS, or whose buffers are, are not
-    tried."""
+    them. Files with the same bytes are tried once, pointers of Git LFS not at all."""
     if not os.path.isdir(bench.settings.folder):
         raise Stop(2, "FOLDER=FOLDER: expected the folder of the files")
-    found, copies, pointers = scenes(bench.settings.folder)
-    print(f"{len(found)} files; {copies} copies and {pointers} pointers of Git LFS left out\n")
-    jobs = [(program, path) for path in found for program in PROGRAMS]
+    jobs = [(program, path) for path in scenes(bench.settings.folder) for program in PROGRAMS]
     results = bench.side_by_side([functools.partial(attempt, bench.programs, *job) for job in jobs])
     for (_, path), (of, told) in zip(jobs, results):
         if of not in ("read", "read with warnings"):

@@ -19,7 +19,6 @@ ROOT = Path(__file__).resolve().parent.parent
 BENCHMARKS = {  # name: (module, function, what it does)
     "demo": ("figures", "demo", "a room without and with its portal in the same time, in demo/"),
     "before-after": ("figures", "before_after", "the README's picture, and the numbers of its caption (eight minutes)"),
-    "thumbnails": ("figures", "thumbnails", "the small pictures of README.md, cut from those of figures and stages"),
     "efficiency": ("efficiency", "efficiency", "error against time of every integrator: doc/efficiency.md (an hour and a "
                    "half; BASELINE=PROGRAM BASELINE_NAME=WORDS: over that older one's)"),
     "efficiency-references": ("efficiency", "references", "its references that are missing or out of date"),

@@ -18,18 +18,14 @@ PARTS = (
     ("sines, cosines (libm)", r"^libm\b", None),
     ("memory, files, system", r"^(?!tdpt-render)", None),
     ("weights, densities of paths", None, r"\bPath::|::weigh$|NextEventPdf|NextEvents::pdf|emission_pdf|scatter_pdf"),
-    ("connections, resampling", None, r"\bconnect|connected|\bEnds?::|Resampling::|Resampling>|LightVertex|_columns|_chosen|"
-                                     r"estimate_"),
+    ("connections, resampling", None, r"\bconnect|connected|\bEnds?::|Resampling|LightVertex|_columns|_chosen|estimate_"),
     ("portals, guided walks", None, r"PortalSet|Guide::|segment|through\b|PathSampler::see"),
     ("surfaces, textures", None, r"bsdf|albedo|layered|place_on_surface|lookup|span_of|shading|base_color|towards|"
                                  r"add_lobes|\bturn|interpolated|\bnode\b|ggx|emission_at"),
     ("rays: origins, hits", None, r"Tracer|::visible|to_places"),
-    ("walks", None, r"Walker|walk_from|begin_at_light|place_on_light|place_in_sky"),
-    ("lights", None, r"Lights|LightSource|RectLights|WindowSky|Sky|NextEvents|CumulativeTable"),
+    ("walks, lights", None, r"Walker|walk_from|begin_at_light|place_on_light|place_in_sky|Light|Sky|NextEvents|CumulativeTable"),
     ("random numbers", None, r"Sequence|shader::|mix64|numbers"),
-    ("film, tally", None, r"Film|Tally|FixedSum|UnitSum|to_pixel|to_film|project"),
-    ("techniques", None, r"PathSampler|CpuRenderer|tbb::"),
-    ("other", None, r""),
+    ("techniques, film, other", None, r""),
 )
 WANTED = {"bdpt": 1.6, "tdpt-guided": 2.2}  # of a frame over its rays
 
