@@ -3,7 +3,6 @@ import dataclasses
 import functools
 import json
 import os
-import subprocess
 from pathlib import Path
 
 import pages
@@ -40,12 +39,6 @@ with_settings = settings(
     REF_SECONDS=Setting(100.0, "CPU seconds of a reference, in two halves; half of it without an aim, eight times it "
                         "at 320 x 180, so that its relMSE is a tenth of what it judges", 1.0),
     WIDTH=Setting(0, "of all pictures, for trials", 32), HEIGHT=Setting(0, "the same", 24))
-
-
-def scene_sum(path):
-    """What cksum says: sum and size."""
-    with open(path, "rb") as file:
-        return subprocess.run(["cksum"], stdin=file, check=True, capture_output=True, text=True).stdout.strip()
 
 
 class Efficiency:
@@ -100,7 +93,7 @@ class Efficiency:
         about = pages.read_json(path)
         size = ["--width", about["width"], "--height", about["height"]]
         depth = [] if about["max_depth"] is None else ["--max-depth", about["max_depth"]]
-        fits = about["scene"] == scene_sum(self.files[scene.name]) and size + depth == self.options(scene)
+        fits = about["scene"] == self.bench.store.sum_of(self.files[scene.name]) and size + depth == self.options(scene)
         return about if fits else None
 
     def rendered_halves(self, scene):
@@ -211,25 +204,19 @@ def efficiency(bench):
 
 
 # ---- Stored references ----
-def keep(folder, name, scene, runs, program):
-    """NAME-1.exr, NAME-2.exr and NAME.json in folder, where efficiency finds them. Rounding to half floats is off by at
-    most 2^-11 of a value: relMSE 2.4e-7 at most, 5e-8 on average."""
-    for half, run in enumerate(runs, 1):
-        exr_write(folder / f"{name}-{half}.exr", exr_read(run.out))
-    said = [run.said for run in runs]
-    about = {"scene": scene_sum(scene), **{k: said[0][k] for k in ("max_depth", "width", "height", "integrator")},
-             "program": program, "seeds": [1000001, 1000002], "spp": [of["spp"] for of in said],
-             "cpu_seconds": [round(of["cpu_seconds"], 1) for of in said]}
-    (folder / f"{name}.json").write_text(json.dumps(about, indent=1) + "\n", encoding="utf-8")
-
-
 @with_settings
 def references(bench):
-    """References of efficiency that are missing or do not fit, rendered and stored in REFERENCE_FOLDER."""
+    """References of efficiency that are missing or do not fit, rendered and stored in REFERENCE_FOLDER: NAME-1.exr, NAME-2.exr
+    and NAME.json. Rounding to half floats is off by at most 2^-11 of a value: relMSE 2.4e-7 at most."""
     run = Efficiency(bench)
     run.stored.mkdir(parents=True, exist_ok=True)
     missing = [scene for scene in run.scenes if not run.stored_fits(scene)]
     for scene, runs in zip(missing, bench.side_by_side([functools.partial(run.rendered_halves, s) for s in missing])):
-        keep(run.stored, scene.name, run.files[scene.name], runs, bench.version())
-        got, asked = sum(r.said["cpu_seconds"] for r in runs), 2 * run.half_seconds(scene)
-        bench.say(f"{scene.name}: stored, {got:.2g} of {asked:g} CPU seconds")
+        for half, of in enumerate(runs, 1):
+            exr_write(run.stored / f"{scene.name}-{half}.exr", exr_read(of.out))
+        about = {"scene": bench.store.sum_of(run.files[scene.name]),
+                 **{k: runs[0].said[k] for k in ("max_depth", "width", "height", "integrator")}, "program": bench.version(),
+                 "seeds": [1000001, 1000002], "spp": [of.said["spp"] for of in runs],
+                 "cpu_seconds": [round(of.said["cpu_seconds"], 1) for of in runs]}
+        (run.stored / f"{scene.name}.json").write_text(json.dumps(about, indent=1) + "\n", encoding="utf-8")
+        bench.say(f"{scene.name}: stored")

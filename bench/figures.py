@@ -181,8 +181,7 @@ def demo(bench):
 
 @settings(SCENE=Setting("veach-ajar", "a room behind an opening, of SCENES, or a file"), WIDTH=Setting(640, "of each half", 24),
           SECONDS_EACH=Setting(60.0, "CPU seconds of a picture", 0.2), REF=Setting(10.0, "of the reference, over theirs", 2.0),
-          SCENES=Setting(os.path.relpath(ROOT / "../shared/scenes"), "folder of the paper's scenes"),
-          BEFORE=Setting("nee", "integrator of the left one"), ALSO=Setting("bdpt", "another without portals, told alone"))
+          SCENES=Setting(os.path.relpath(ROOT / "../shared/scenes"), "folder of the paper's scenes"))
 def before_after(bench):
     """DOC/before-after.png, the README's picture: a room behind an opening, on the left without portals, on the right with
     those that the four stages find, in equal CPU time; and what both are worth, for the caption, on stdout."""
@@ -197,8 +196,7 @@ def before_after(bench):
         few = bench.render(scene, "--width", s.width, "--spp", 4, *options, threads=0).said["cpu_seconds"]
         return bench.render(scene, "--width", s.width, "--spp", max(1, round(4 * seconds / few)), *options, threads=0)
 
-    pictures = [render(s.seconds_each, "--integrator", s.before), render(s.seconds_each, "--integrator", s.also),
-                render(s.seconds_each, *portal)]
+    pictures = [render(s.seconds_each, *how) for how in (("--integrator", "nee"), ("--integrator", "bdpt"), portal)]
     reference = render(s.ref * s.seconds_each, *portal, "--seed", 1000001)
     both = bench.store.run("exrdiff", pictures[0].out, pictures[2].out, "--side-by-side", Made("both.png"), output=False)
     shutil.copy(both.folder / "both.png", bench.doc / "before-after.png")

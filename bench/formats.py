@@ -186,16 +186,6 @@ class Builder:
         """A flat one, as a fan of triangles."""
         self.mesh(corners, [i for k in range(1, len(corners) - 1) for i in (0, k, k + 1)], name=name)
 
-    def camera(self, eye, target, **perspective):
-        """Upright, at eye, looking at target."""
-        back = np.asarray(eye, float) - target
-        back /= np.linalg.norm(back)
-        right = np.cross((0.0, 1.0, 0.0), back)
-        right /= np.linalg.norm(right)
-        camera = self.add("cameras", {"type": "perspective", "perspective": {"znear": 0.01, **perspective}})
-        columns = ((right, 0), (np.cross(back, right), 0), (back, 0), (eye, 1))
-        self.node({"camera": camera, "matrix": [float(v) for column, w in columns for v in (*column, w)]})
-
     def diffuse(self, colour, **more):
         """A material that reflects evenly and nothing else; its index."""
         self.json["extensionsUsed"] = ["KHR_materials_emissive_strength", "KHR_materials_specular"]

@@ -69,10 +69,6 @@ def label(text):
     return '"%s"' % text.replace("_", r"\\_")
 
 
-def number(x):
-    return "NaN" if x is None or (isinstance(x, float) and not math.isfinite(x)) else "%.6g" % x
-
-
 class Figure:
     """Panels in rows. Each: title, words of the axes, lines, marks."""
 
@@ -81,10 +77,8 @@ class Figure:
 
     def block(self, rows):
         """Rows of numbers, as a named block of the script."""
-        rows = [[*row[:2], *(row[1] if isinstance(c, float) and math.isnan(c) else c for c in row[2:])] for row in rows]
         name = "$d%d" % len(self.data)
-        self.data.append("%s << EOD\n%s\nEOD\n" % (name, "\n".join(
-            " ".join(c if isinstance(c, str) else number(c) for c in row) for row in rows)))
+        self.data.append("%s << EOD\n%s\nEOD\n" % (name, "\n".join(" ".join(map("%.6g".__mod__, row)) for row in rows)))
         return name
 
     def panel(self, title, x, y, plots, settings=()):
@@ -102,9 +96,8 @@ class Figure:
     def script(self, output):
         columns = min(self.columns, len(self.panels))
         lines = -(-len(self.panels) // columns)
-        kind = "svg" if output.endswith(".svg") else "pngcairo"
-        head = ['set terminal %s size %d,%d font "sans-serif,12" background "white"' %
-                (kind, columns * self.width, lines * self.height), 'set output "%s"' % output,
+        head = ['set terminal pngcairo size %d,%d font "sans-serif,12" background "white"' %
+                (columns * self.width, lines * self.height), 'set output "%s"' % output,
                 "set multiplot layout %d,%d" % (lines, columns)]
         common = ['set grid lc rgb "#dddddd" lt 1 lw 0.5', "set border lw 1", "set key off", "set pointsize 1.1",
                   "set bars 0.6", "set lmargin 9", "set rmargin 2", "set tmargin 2.2", "set bmargin 3.5",

@@ -10,7 +10,7 @@ import pages
 import stats
 from common import ROOT, Halves, Setting, Stop, checked, peers_python, settings, turns
 from formats import glb_content, glb_parse, gltf_array, placed
-from sky import Cell, Picture, black_words
+from sky import Cell, Picture
 
 # What light comes through, by rooms of testdata or HOUSE.CAMERA.
 VIEWS = {"half-metre-hole": "a hole of 0.50 m", "two-rooms": "a hole of 0.25 m", "small-hole": "a hole of 0.10 m",
@@ -190,7 +190,7 @@ def pictures_table(cells):
             relmse, psnr = cell.error(method)
             spp, cpu = np.mean([(p.spp, p.cpu) for p in cell.pictures[method]], 0)
             rows.append([name, NAMES[method], "%.0f" % spp, "%.1f" % cpu, pages.three(relmse), "%.1f" % psnr])
-        rows.append([name, "a black picture", "", "", *black_words(cell).split(", ")])
+        rows.append([name, "a black picture", "", "", pages.three(cell.black["relmse"]), "%.1f" % cell.black["psnr"]])
     return pages.table(("view", "method", "samples per pixel", "CPU s", "relMSE", "PSNR, dB"), rows)
 
 

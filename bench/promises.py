@@ -240,19 +240,14 @@ def regret(bench):
     """What `auto` loses by not knowing which integrator is best, and how right its verdict on portals is. About 25
     minutes on two quiet cores. ONLY: names of scenes, with +found or +drawn for those with portals."""
     s, texts = bench.settings, []
-
-    def measure(name, scene, *portal, options=()):
+    for name, scene, portal, options in regret_scenes(bench, s.rooms, s.seed):
         command = [bench.store.program("regret_bench"), scene, *portal, *options, "--name", name, "--seconds",
                    f"{s.seconds_each:g}", "--seeds", s.seeds, "--width", 64, "--height", 48]
         sums = [bench.store.sum_of(path) for path in (command[0], scene, *portal)]
-
-        def make(path):
-            bench.say(name)
-            path.write_text(checked(command).said, encoding="utf-8")
-        texts.append(bench.store.keep([*sums, *options, *command[-10:]], make, ".txt").read_text(encoding="utf-8"))
-
-    for name, scene, portals, options in regret_scenes(bench, s.rooms, s.seed):
-        measure(name, scene, *portals, options=options)
+        kept = bench.store.keep([*sums, *options, *command[-10:]],
+                                lambda path, command=command: path.write_text(checked(command).said, encoding="utf-8"), ".txt")
+        bench.say(name)
+        texts.append(kept.read_text(encoding="utf-8"))
     if not texts:
         raise Stop(3, "none of the scenes is there")
     measured = read_regret("".join(texts).splitlines())

@@ -25,9 +25,9 @@ BENCHMARKS = {  # name: (module, function, what it does)
     "quality": ("cost", "quality", "what --quality draft, normal and high are worth: in doc/efficiency.md (ten minutes)"),
     "figures": ("figures", "figures", "the paper's Figs 5 to 7 from our renders: in doc/efficiency.md (five minutes)"),
     "portals": ("portals", "portals", "how right portals are in rooms with known openings: doc/portals.md (an hour)"),
-    "houses": ("houses", "houses", "the same in real buildings, and what portals are worth there: in doc/portals.md (two "
+    "houses": ("portals", "houses", "the same in real buildings, and what portals are worth there: in doc/portals.md (two "
                "hours; WORTH=0: half an hour)"),
-    "cameras": ("houses", "cameras", "portals found for all cameras together: in doc/portals.md (half an hour)"),
+    "cameras": ("portals", "cameras", "portals found for all cameras together: in doc/portals.md (half an hour)"),
     "stages": ("figures", "stages", "pictures of what each stage did: in doc/portals.md"),
     "regret": ("promises", "regret", "what auto loses, and how right it is about portals: doc/regret.md (25 minutes)"),
     "target-error": ("promises", "target_error", "whether pictures have the error that was asked for: in doc/regret.md "

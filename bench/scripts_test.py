@@ -226,8 +226,8 @@ class Peers(Stamp):
         builder.json["extensions"] = {"KHR_lights_punctual": {"lights": [
             {"type": "point", "color": [1, 0.5, 0.2], "intensity": 10}]}}
         builder.node({"translation": [0, 1, 0], "extensions": {"KHR_lights_punctual": {"light": 0}}})
-        builder.camera((0, 0.5, 0.001), (0, -1, 0), yfov=0.02)
-        builder.json["cameras"][0]["name"] = "above"
+        camera = builder.add("cameras", {"name": "above", "type": "perspective", "perspective": {"znear": 0.01, "yfov": 0.02}})
+        builder.node({"camera": camera, "translation": [0, 0.5, 0], "rotation": [-(0.5**0.5), 0, 0, 0.5**0.5]})
         return builder.content()
 
     def test_others_get_the_scene_without_its_panes(self):

@@ -59,10 +59,6 @@ class Cell:
         return relmse, decibels_of(self.peak**2, mse)
 
 
-def black_words(cell):
-    return f"{cell.black['relmse']:.2g}, {cell.black['psnr']:.1f}"
-
-
 def geometric_mean(cells, method):
     """Of the gains that are known, its interval over seeds; the rooms are what they are."""
     return stats.geometric([(cell.costs(cell.base()), cell.costs(method)) for cell in cells
