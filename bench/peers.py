@@ -120,20 +120,18 @@ class View:
     def portals(self):
         return self.bench.portals(self.scene, (), lambda program: self.camera if program == "ffgraph" else (), 1)
 
-    def theirs(self, method, seeds, amount):
-        """[(path, samples, CPU seconds)] of the seeds, by one process."""
-        words = [method, *self.size, "--seeds", *seeds, *amount]
-        store = self.bench.store
+    def theirs(self, method, seed, amount):
+        """(path, samples, CPU seconds)"""
+        store, words = self.bench.store, [method, *self.size, "--seed", seed, *amount]
 
         def make(folder):
             folder.mkdir()
-            told = inside(method, self.arrays, folder / "%d.exr", *words[1:])
-            (folder / "told.json").write_text(json.dumps(told))
+            (folder / "told.json").write_text(json.dumps(inside(method, self.arrays, folder / "out.exr", *words[1:])))
 
         folder = store.keep([store.sum_of(self.scene), *self.camera, store.sum_of(INSIDE), self.versions[method],
                              os.environ.get("MITSUBA_VARIANT", ""), *words], make, ".peer")
         told = json.loads((folder / "told.json").read_text())
-        return [(folder / f"{seed}.exr", of["samples"], of["cpu"]) for seed, of in zip(seeds, told)]
+        return folder / "out.exr", told["samples"], told["cpu"]
 
     def ours(self, method, seed, samples):
         portal = ("--portal", self.portals.file) if method == "auto" and self.portals.count else ()
@@ -151,7 +149,7 @@ class View:
         if method in OURS:
             return self.ours(method, seed, samples or self.samples_in(method, seconds))
         known = samples and method.startswith("cycles")  # The others stop by themselves.
-        return self.theirs(method, [seed], ("--spp", samples) if known else ("--cpu-seconds", seconds))[0]
+        return self.theirs(method, seed, ("--spp", samples) if known else ("--cpu-seconds", seconds))
 
 
 def measured(view, methods):

@@ -245,8 +245,8 @@ class Peers(Stamp):
         scene = self.work / "scene.npz"
         np.savez(scene, **peers.plain(peers.without_panes(self.scene())[0], "above"))
         for method in peers.inside("versions"):
-            peers.inside(method, scene, self.work / "%d.exr", "--width", 16, "--height", 9, "--spp", 64)
-            seen = formats.exr_read(self.work / "1.exr").mean((0, 1))
+            peers.inside(method, scene, self.work / "out.exr", "--width", 16, "--height", 9, "--spp", 64)
+            seen = formats.exr_read(self.work / "out.exr").mean((0, 1))
             for colour, intensity in zip(seen, (10, 5, 2)):
                 self.assertAlmostEqual(colour / (0.5 / np.pi * intensity / 4), 1, delta=0.003, msg=method)
 
