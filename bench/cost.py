@@ -63,12 +63,11 @@ def quality_plot(rows):
     """Cost over that of normal, and memory, against the time of the four stages: a line a scene."""
     figure, scenes = pages.Figure(3, 420, 340), list(dict.fromkeys(r.scene for r in rows))
     each = [[quality_of([r for r in rows if r.scene == scene])[quality] for quality in QUALITIES] for scene in scenes]
-    for words, value, ticks in (("cost / with normal", lambda q: q[2].value, "0.3, 0.5, 0.7, 1, 1.5, 2, 3"),
-                                ("peak [MiB]", lambda q: q[1], "50, 100, 200, 500, 1000")):
+    for words, value, axis in (("cost / with normal", lambda q: q[2].value, "yrange [0.3:3]; set ytics (0.3, 0.5, 0.7, 1, 1.5, 2, 3)"),
+                               ("peak [MiB]", lambda q: q[1], "yrange [50:1000]; set ytics (50, 100, 200, 500, 1000)")):
         drawn = [f"{figure.block([(q[0], value(q)) for q in of])} using 1:2 with linespoints lw 2 notitle" for of in each]
-        ends = "[{}:{}]".format(*ticks.split(", ")[:: ticks.count(",")])
         figure.panel(words, "the four stages [CPU s]", "", drawn, (
-            "set logscale xy", "set xtics (0.5, 1, 2, 5, 10, 20, 50)", f"set ytics ({ticks}); set yrange {ends}"))
+            "set logscale xy", "set xtics (0.5, 1, 2, 5, 10, 20, 50)", f"set {axis}"))
     figure.key([f'NaN with linespoints lw 2 title "{scene}"' for scene in scenes])
     return figure.script("quality.png")
 
