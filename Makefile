@@ -25,9 +25,9 @@
 #                       as in make bench-regret SEEDS=3; QUICK=1: a trial)
 #   make peers          installs Cycles, LuxCore, Mitsuba, OpenUSD and Open Image Denoise from PyPI into build/peers/venv, for
 #                       tests and benchmarks beside them (2 GB; PYTHON=python3.11: bpy 5.0 is for no other)
-#   make figures        renders the paper's Figs 5 to 7 for doc/figures.md (HEIGHT, SPP, ONLY=SCENE, SCENES=FOLDER,
+#   make figures        renders the paper's Figs 5 to 7 for doc/efficiency.md (HEIGHT, SPP, ONLY=SCENE, SCENES=FOLDER,
 #                       DOC=FOLDER: elsewhere)
-#   make stages         draws what each stage did, for doc/figures.md (SCENE=room.glb DOC=FOLDER: of your scene)
+#   make stages         draws what each stage did, for doc/portals.md (SCENE=room.glb DOC=FOLDER: of your scene)
 #   make clean          removes what was built
 PREFIX ?= /usr/local
 JOBS ?= $(shell nproc 2>/dev/null || echo 2)

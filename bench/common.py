@@ -21,11 +21,9 @@ import pages
 
 ROOT = Path(__file__).resolve().parent.parent
 TESTDATA = ROOT / "testdata"
-MAPS = TESTDATA / "environments"
 STAGES = ("ffgraph", "mincut", "lightgrid", "portalfit")
 # Names of what they write, which stand in pictures of it.
 OUTPUTS = {"ffgraph": "room.max", "mincut": "room.cut", "lightgrid": "room.vdb", "portalfit": "room.portal.glb"}
-SKIES = ("overcast", "clear", "sun")
 CORES = os.cpu_count()
 PLACES = ("SCENES", "JOBS", "REFERENCE_FOLDER", "BASELINE")  # settings that tell a reader nothing
 
@@ -71,19 +69,18 @@ def settings(**own):
 
 # ---- What a run takes ----
 # Its own process, since what a parent holds counts as a child's memory: about 10 MiB are the least it can tell.
-LAUNCH = """import json, os, signal, sys, time
-began = time.monotonic()
+LAUNCH = """import json, os, signal, sys
 child = os.posix_spawnp(sys.argv[2], sys.argv[2:], os.environ)
 signal.signal(signal.SIGTERM, lambda *_: os.kill(child, signal.SIGTERM))
 _, status, usage = os.wait4(child, 0)
 with open(sys.argv[1], "w") as file:
     json.dump({"status": os.waitstatus_to_exitcode(status), "cpu": usage.ru_utime + usage.ru_stime,
-               "peak_mib": usage.ru_maxrss / 1024, "wall": time.monotonic() - began}, file)"""
+               "peak_mib": usage.ru_maxrss / 1024}, file)"""
 running = set()  # processes, to be ended where a benchmark is
 
 
 def measure(command, env=None):
-    """A process as it went: status, cpu [s], wall [s], peak_mib, said, errors. Nothing of it is kept."""
+    """A process as it went: status, cpu [s], peak_mib, said, errors. Nothing of it is kept."""
     with tempfile.NamedTemporaryFile(prefix="bench-") as told:
         child = subprocess.Popen([sys.executable, "-I", "-S", "-c", LAUNCH, told.name, *map(str, command)],
                                  stdout=subprocess.PIPE, stderr=subprocess.PIPE, env={**os.environ, **(env or {})})
@@ -119,9 +116,9 @@ def peers_python():
 
 
 # ---- Results that are kept ----
-# Those of the programs that obey --seed or have --quality, and what others lack of the options that all runs have.
-SEEDED = HAVE_QUALITY = ("ffgraph", "lightgrid")
-LACK = {"exrdiff": ("--quiet", "--no-provenance", "--threads"), "exrmerge": ("--threads",)}
+# Those of the programs that obey --seed and have --quality, and what others lack of the options that all runs have.
+SEEDED = ("ffgraph", "lightgrid")
+LACK = {"exrdiff": ("--quiet", "--no-provenance", "--threads")}
 
 
 def common_options(program, threads, provenance=True):
@@ -141,14 +138,12 @@ class Made(str):
 
 
 class Run:
-    """What is kept of one: out, a path; cpu [s], wall [s], peak [MiB], status; said, a dictionary; errors."""
+    """What is kept of one: out, a path; cpu [s], peak [MiB], status; said, a dictionary."""
 
     def __init__(self, folder):
-        self.folder, self.errors = folder, (folder / "errors").read_text()
-        self.said = json.loads((folder / "said").read_text() or "{}")
-        facts = json.loads((folder / "run.json").read_text())
-        self.cpu, self.status, self.peak, self.wall = (facts[k] for k in ("cpu", "status", "peak_mib", "wall"))
-        self.out = folder / facts["out"]
+        facts, self.folder = json.loads((folder / "run.json").read_text()), folder
+        self.cpu, self.status, self.peak, self.out = facts["cpu"], facts["status"], facts["peak_mib"], folder / facts["out"]
+        self.said = json.loads(facts["said"] or "{}")
 
 
 class Store:
@@ -181,9 +176,8 @@ class Store:
             run = checked([path, *(f"{a.before}{folder / a}" if isinstance(a, Made) else a for a in arguments),
                            *common_options(path.name, threads, provenance),
                            *(("-o", folder / out) if output else ())], may_fail)
-            (folder / "said").write_text("{}" if run.status else run.said)
-            (folder / "errors").write_text(run.errors)
-            facts = {"out": out, **{k: getattr(run, k) for k in ("cpu", "wall", "status", "peak_mib")}}
+            facts = {"out": out, "said": "" if run.status else run.said, "cpu": run.cpu, "status": run.status,
+                     "peak_mib": run.peak_mib}
             (folder / "run.json").write_text(json.dumps(facts))
 
         read = ["file " + self.sum_of(a) if isinstance(a, Path) else f"word {a}" for a in arguments]
@@ -305,16 +299,16 @@ class Bench:
     def render(self, scene, *options, threads=1, **more):
         return self.store.run("tdpt-render", scene, *options, threads=threads, **more)
 
-    def fresh(self, program, *arguments, output=None, threads=1, may_fail=()):
+    def fresh(self, program, *arguments, output=None, threads=1):
         """Runs it now, whatever was kept: what it took."""
         run = checked([self.store.program(program), *arguments, *common_options(program, threads),
-                       *(("-o", output) if output else ())], may_fail)
+                       *(("-o", output) if output else ())])
         run.said = json.loads(run.said or "{}")
         return run
 
-    def distance(self, picture, reference, *options):
+    def distance(self, picture, reference):
         """What exrdiff says."""
-        return self.store.run("exrdiff", picture, reference, *options, output=False).said
+        return self.store.run("exrdiff", picture, reference, output=False).said
 
     def halves(self, render):
         """A reference of two runs, render(seed)."""
@@ -356,12 +350,3 @@ def machine():
     """Its cores and its processor."""
     model = re.search(r"^model name\s*: (.*)$", Path("/proc/cpuinfo").read_text(encoding="utf-8"), re.M)
     return f"{CORES} cores" + (f" of {model[1]}" if model else "")
-
-
-def environment(sky, own=None):
-    """What --environment gets for one of SKIES; own: an interior's own map of the sun."""
-    found = {"overcast": "1,1,1", "clear": MAPS / "clear.exr",
-             "sun": own if own and own.exists() else MAPS / "clear-sun.exr"}
-    if sky not in found:
-        raise Stop(2, f"SKIES: {sky} is none of {', '.join(SKIES)}")
-    return found[sky]

@@ -3,12 +3,8 @@ import functools
 import math
 from dataclasses import dataclass
 
-import numpy as np
-
 import pages
-import stats
-from common import Made, Setting, Stop, checked, decibels_of, settings
-from promises import regret_scenes
+from common import Made, Setting, checked, decibels_of, settings
 
 BUFFERS = ("--aov", "halves,albedo,normal,depth")
 # What is rendered, by kind: (scene, camera or nothing).
@@ -201,55 +197,3 @@ def denoise_frames(bench):
     heads = ("scene", "samples per pixel", "relMSE alone", "with frames", "falls by", "between frames, alone", "with frames",
              "falls by")
     bench.page("denoise", {"frames": pages.table(heads, rows)})
-
-
-# ---- Whether it does harm ----
-def paired(gains):
-    """Geometric mean of ratios with its 95 % interval (Student's t, of logarithms); nan where one is not positive."""
-    if not gains or min(gains) <= 0:
-        return stats.Ratio()
-    middle, error = stats.mean_and_error(np.log(gains))
-    reach = stats.t_quantile(0.025, len(gains) - 1) * error if len(gains) > 1 else math.nan
-    return stats.Ratio(*map(math.exp, (middle, middle - reach, middle + reach)))
-
-
-def harm_parts(made, spps):
-    """made: {scene: {spp: Ratio}}."""
-    columns = {spp: [r[spp] for r in made.values() if math.isfinite(r[spp].value)] for spp in spps}
-    lengths = [[spp, len(of), pages.hundredths(mean(r.value for r in of)), sum(r.value < 1 for r in of),
-                sum(r.high < 1 for r in of)] for spp, of in columns.items()]
-    least = sorted(((r.low, name, spp, r) for name, of in made.items() for spp, r in of.items() if math.isfinite(r.low)),
-                   key=lambda one: one[:3])[:10]
-    return {"harm": pages.table(("samples per pixel", "scenes", "relMSE falls by", "it grows in", "certainly in"), lengths),
-            "least": pages.table(("scene", "samples per pixel", "relMSE falls by"),
-                                 [[name, spp, r.text(pages.hundredths)] for _, name, spp, r in least])}
-
-
-@settings(SPPS=Setting(("4", "16", "64", "256"), "samples per pixel", ("4", "16")), SEEDS=Setting(4, "pictures of each kind", 2),
-          ROOMS=Setting(0, "generated rooms of each kind"), SEED=Setting(1, "of the first"),
-          REF=Setting(512, "samples per pixel of each half of a reference", 64))
-def denoise_harm(bench):
-    """Whether the filter lets the error grow in any of the scenes of doc/regret.md: pictures of 64 x 48 pixels, where
-    there is least to gain. ONLY: names of scenes. An hour."""
-    s, spps = bench.settings, [int(spp) for spp in bench.settings.spps]
-
-    def measured(name, scene, portals, options):
-        def render(spp, seed, *more):
-            return bench.store.run("tdpt-render", scene, *(("--portal", *portals) if portals else ()), *options,
-                                   "--width", 64, "--height", 48, "--spp", spp, "--seed", seed, *more)
-
-        reference = bench.halves(lambda seed: render(s.ref, seed))
-        gains = {}
-        for spp in spps:
-            noisy = [render(spp, seed, *BUFFERS).out for seed in range(1, s.seeds + 1)]
-            pairs = [(reference.off(n)["relmse"], reference.off(bench.store.run("exrdenoise", n, "--denoiser", "regression").out)["relmse"])
-                     for n in noisy]
-            gains[spp] = paired([a / b for a, b in pairs])
-        bench.say(name + "  " + "  ".join(gains[spp].text(pages.hundredths) for spp in spps))
-        return gains
-
-    scenes = list(regret_scenes(bench, s.rooms, s.seed))
-    if not scenes:
-        raise Stop(3, "none of the scenes is there")
-    made = bench.side_by_side([functools.partial(measured, *scene) for scene in scenes])
-    bench.page("denoise", harm_parts({scene[0]: gains for scene, gains in zip(scenes, made)}, spps))

@@ -3,25 +3,19 @@ import dataclasses
 import functools
 import json
 import os
-import shutil
-import subprocess
 from pathlib import Path
-from types import SimpleNamespace
 
 import pages
-from common import ROOT, TESTDATA, Halves, Setting, Stop, checked, decibels_of, settings, turns
+from common import TESTDATA, Halves, Setting, Stop, decibels_of, settings, turns
 from efficiency_tables import BEFORE, Measurements, Scene
 from formats import exr_read, exr_write
 
-# Aims: of the gain, its moonshot; relMSE wanted after a minute, its moonshot; PSNR in the same time.
 SCENES = (
-    *(Scene(name, 128, 96, "door", target, wanted_psnr=-0.3) for name, target in (
+    *(Scene(name, 128, 96, "door", target) for name, target in (
         ("two-rooms", 40), ("small-hole", 60), ("door-ajar", 15), ("half-metre-hole", None), ("three-rooms", 60),
         ("window", 2))),
-    Scene("veach-ajar", 320, 180, "door", 6, 12, 0.012, wanted_psnr=-0.3),
-    Scene("veach-ajar-flip", 320, 180, "door", 12, 25, 0.025, wanted_psnr=-0.3),
-    Scene("bathroom2-channel", 128, 72, "door", 5, wanted_psnr=0),
-    Scene("cornell-box-portal", 96, 96, "door", wanted_psnr=-0.3),
+    Scene("veach-ajar", 320, 180, "door", 6, 12), Scene("veach-ajar-flip", 320, 180, "door", 12, 25),
+    Scene("bathroom2-channel", 128, 72, "door", 5), Scene("cornell-box-portal", 96, 96, "door"),
     *(Scene(name, 128, height, "interior", 1) for name, height in (
         ("kitchen", 72), ("bathroom", 128), ("living-room-lamps", 72), ("classroom-lamps", 72))),
     Scene("bathroom2", 128, 72, "open"), Scene("cornell-box", 128, 128, "open"),
@@ -29,21 +23,6 @@ SCENES = (
         ("veach-ajar", 72), ("two-rooms", 96), ("kitchen", 72), ("bathroom2", 72))),
 )
 WITHOUT_PORTALS = ("pt", "nee", "bdpt")
-README = """# References of doc/efficiency.md
-
-Written by `make bench-efficiency-references` (`bench/efficiency.py`), read by `make bench-efficiency` while scene,
-depth and size are those of NAME.json, whatever the renderer: every integrator here converges to the same picture. Each
-is two halves of different seeds, half floats (`Halves` in `bench/common.py`); NAME-whole has no limit of depth. To make
-one anew, delete its NAME.json. doc/efficiency.md says how noisy they are.
-
-| name | size | depth | integrator | samples per pixel | CPU seconds | rendered by |
-|---|---|---|---|---|---|---|
-"""
-# Other programs' figures for 60 CPU seconds at depth 6; Metropolis light transport is Tungsten's.
-PEERS = {"veach-ajar": (("Tungsten, BDPT", "0.20"), ("path guiding with next-event estimation", "0.23"),
-                        ("Tungsten, multiplexed Metropolis", "0.06 to 0.30")),
-         "veach-ajar-flip": (("Tungsten, BDPT", "1.5"), ("path guiding", "5"),
-                             ("Tungsten, multiplexed Metropolis", "0.32"))}
 
 with_settings = settings(
     BASELINE=Setting("", "another tdpt-render, of an older commit: gains are over its bdpt and nee, which take turns "
@@ -51,11 +30,8 @@ with_settings = settings(
     BASELINE_NAME=Setting("an older program", "what the page calls it"),
     INTEGRATORS=Setting(("nee", "bdpt", "tdpt-org", "tdpt", "tdpt-guided", "auto"),
                         "without a limit of depth only the last two and bdpt"),
-    SECONDS_EACH=Setting(4.0, "CPU seconds of a picture; at a depth also a quarter and a sixteenth of it", 0.1),
+    SECONDS_EACH=Setting(4.0, "CPU seconds of a picture; also a quarter and a sixteenth of it", 0.1),
     SEEDS=Setting(8, "pictures of each kind", 2),
-    LONG_SCENES=Setting(tuple(s.name for s in SCENES if s.wanted), "of these also long pictures, of the integrator "
-                        "that aims are asked of and of the one that gains are over"),
-    LONG_SECONDS=Setting(60.0, "of a long picture", 0.2), LONG_SEEDS=Setting(3, "0: no long pictures", 1),
     DEPTH=Setting("6", "edges of the longest path, as the paper's figures have it; none: no limit, in all scenes"),
     REFERENCE_FOLDER=Setting(str(TESTDATA / "references/efficiency"), "of those that are stored; they are used where "
                              "they fit, others are rendered"),
@@ -65,12 +41,6 @@ with_settings = settings(
     WIDTH=Setting(0, "of all pictures, for trials", 32), HEIGHT=Setting(0, "the same", 24))
 
 
-def scene_sum(path):
-    """What cksum says: sum and size."""
-    with open(path, "rb") as file:
-        return subprocess.run(["cksum"], stdin=file, check=True, capture_output=True, text=True).stdout.strip()
-
-
 class Efficiency:
     """A run of the benchmark: scenes that are there, their portals, references, pictures."""
 
@@ -78,7 +48,7 @@ class Efficiency:
         self.bench, self.s = bench, bench.settings
         s, known = self.s, [scene.name for scene in SCENES]
         for wrong, words in (
-                *((name not in known, f"{name} is none of the scenes") for name in (*s.only, *s.long_scenes)),
+                *((name not in known, f"{name} is none of the scenes") for name in s.only),
                 (s.depth != "none" and not s.depth.isdigit(), f"DEPTH={s.depth} is neither a number nor none"),
                 (s.baseline and not os.access(s.baseline, os.X_OK), f"BASELINE: {s.baseline} is no program"),
                 (s.baseline and s.depth == "none", "BASELINE is for a limited DEPTH")):
@@ -89,7 +59,6 @@ class Efficiency:
         self.files = bench.there([scene.name for scene in wanted])
         self.scenes = [dataclasses.replace(scene) for scene in wanted if scene.name in self.files]
         self.stored = Path(s.reference_folder)
-        self.depth_words = "no limit of depth" if s.depth == "none" else f"depth {s.depth}"
 
     def portal(self, scene):
         return self.bench.portals(self.files[scene.name])
@@ -124,7 +93,7 @@ class Efficiency:
         about = pages.read_json(path)
         size = ["--width", about["width"], "--height", about["height"]]
         depth = [] if about["max_depth"] is None else ["--max-depth", about["max_depth"]]
-        fits = about["scene"] == scene_sum(self.files[scene.name]) and size + depth == self.options(scene)
+        fits = about["scene"] == self.bench.store.sum_of(self.files[scene.name]) and size + depth == self.options(scene)
         return about if fits else None
 
     def rendered_halves(self, scene):
@@ -133,20 +102,13 @@ class Efficiency:
 
     def reference(self, scene):
         """(Halves, what is known of both)."""
-        about, stored = self.stored_fits(scene), ""
-        if about:
-            pictures, stored = [self.stored / f"{scene.name}-{h}.exr" for h in (1, 2)], about["program"]
+        if self.stored_fits(scene):
+            pictures = [self.stored / f"{scene.name}-{half}.exr" for half in (1, 2)]
         else:
-            runs = self.rendered_halves(scene)
-            pictures, said = [run.out for run in runs], [run.said for run in runs]
-            about = {**said[0], "integrator": self.s.ref_integrator,
-                     **{field: [of[field] for of in said] for field in ("cpu_seconds", "spp")}}
+            pictures = [run.out for run in self.rendered_halves(scene)]
         halves = Halves(self.bench, *pictures)
-        means = [way["mean"] for way in halves.ways]
-        return halves, {"mean": halves.both("mean"), "half": abs(means[0] - means[1]) / 2, "stored": stored,
-                        "black": {field: halves.both("black", field) for field in ("relmse", "psnr", "mape")},
-                        "relmse": halves.both("relmse") / 4, "cpu_seconds": sum(about["cpu_seconds"]),
-                        "spp": sum(about["spp"]), **{k: about[k] for k in ("integrator", "width", "height")}}
+        return halves, {"means": [way["mean"] for way in halves.ways], "relmse": halves.both("relmse") / 4,
+                        "black": {field: halves.both("black", field) for field in ("relmse", "psnr", "mape")}}
 
     # ---- Pictures ----
     def row(self, scene, halves, integrator, seed, seconds):
@@ -173,11 +135,7 @@ class Efficiency:
             for k, part in enumerate((1,) if whole else (1, 4, 16)):
                 seconds = float("%.6g" % (s.seconds_each / part))
                 wanted += [(scene, i, 1000 * k + seed, seconds) for seed, i in turns(range(1, s.seeds + 1), measured)]
-        rows = self.measured(wanted)
-        m = Measurements(self.scenes, rows, s.seconds_each)
-        return rows + self.measured([
-            (scene, i, 3000 + seed, s.long_seconds) for scene in self.scenes if scene.name in s.long_scenes
-            for seed, i in turns(range(1, s.long_seeds + 1), m.pair(scene.name))])
+        return self.measured(wanted)
 
     def measure(self):
         for scene in self.scenes:
@@ -221,17 +179,6 @@ def part(words, text):
     return f"{words}\n\n{text}" if text else ""
 
 
-def long_table(run, m):
-    """Beside other programs."""
-    at, rows = m.at(run.s.long_seconds), []
-    for name in (name for name in PEERS if name in m.scenes and run.s.long_seeds):
-        rows += [[name, program, figure, 60, "-", "-"] for program, figure in PEERS[name]]
-        rows += [[name, *row] for row in at.long_rows(name)]
-        rows.append([name, "all black", pages.three(m.scenes[name].reference["black"]["relmse"]), "-", "-", "-"])
-    heads = ("scene", "program", "relMSE, seed by seed", "CPU s", "target (ambitious)", "met")
-    return pages.table(heads, rows) if rows else ""
-
-
 def parts(run, m):
     """Of the page, by their names there."""
     over = "bdpt" + (f" of {run.s.baseline_name}" if run.s.baseline else "")
@@ -239,8 +186,7 @@ def parts(run, m):
     return {"doors": part(f"Gain over {over}:", m.gains("doors")),
             "rooms": part(f"Gain over {better}:", m.gains("rooms")),
             "whole": part("Gain over bdpt of this program:", m.gains("whole")),
-            "psnr": part(f"Decibels over {over}:", m.psnrs("doors")),
-            "long": long_table(run, m), "checks": pages.sections(m.agreement(), m.noisy(), m.busy())}
+            "checks": pages.sections(m.agreement(), m.noisy(), m.busy())}
 
 
 @with_settings
@@ -258,38 +204,19 @@ def efficiency(bench):
 
 
 # ---- Stored references ----
-def keep(folder, name, scene, runs, program):
-    """NAME-1.exr, NAME-2.exr and NAME.json in folder, where efficiency finds them, and a row of its README. Rounding to
-    half floats is off by at most 2^-11 of a value: relMSE 2.4e-7 at most, 5e-8 on average."""
-    seeds = []
-    for i, run in enumerate(runs, 1):
-        rgb, header = exr_read(run.out)
-        exr_write(folder / f"{name}-{i}.exr", rgb, **header)
-        seeds.append(int(header["seed"]))
-    said = [run.said for run in runs]
-    about = {"scene": scene_sum(scene), **{k: said[0][k] for k in ("max_depth", "width", "height", "integrator")},
-             "program": program, "seeds": seeds, "spp": [of["spp"] for of in said],
-             "cpu_seconds": [round(of["cpu_seconds"], 1) for of in said]}
-    (folder / f"{name}.json").write_text(json.dumps(about, indent=1) + "\n", encoding="utf-8")
-    rows = []
-    for path in sorted(folder.glob("*.json")):
-        r = SimpleNamespace(**pages.read_json(path))
-        rows.append(pages.row(path.stem, f"{r.width} x {r.height}", r.max_depth or "no limit", r.integrator,
-                              "%d and %d" % tuple(r.spp), "%.0f and %.0f" % tuple(r.cpu_seconds), r.program) + "\n")
-    (folder / "README.md").write_text(README + "".join(rows), encoding="utf-8")
-
-
 @with_settings
 def references(bench):
-    """References of efficiency that are missing or do not fit, rendered and stored in REFERENCE_FOLDER."""
+    """References of efficiency that are missing or do not fit, rendered and stored in REFERENCE_FOLDER: NAME-1.exr, NAME-2.exr
+    and NAME.json. Rounding to half floats is off by at most 2^-11 of a value: relMSE 2.4e-7 at most."""
     run = Efficiency(bench)
     run.stored.mkdir(parents=True, exist_ok=True)
     missing = [scene for scene in run.scenes if not run.stored_fits(scene)]
-    describe = ["git", "-C", ROOT, "describe", "--always", "--dirty"]
-    commit = checked(describe, range(256)).said.strip() if shutil.which("git") else ""
-    program = ", ".join(filter(None, (bench.version(), commit)))
     for scene, runs in zip(missing, bench.side_by_side([functools.partial(run.rendered_halves, s) for s in missing])):
-        keep(run.stored, scene.name, run.files[scene.name], runs, program)
-        got, asked = sum(r.said["cpu_seconds"] for r in runs), 2 * run.half_seconds(scene)
-        busy = ": THE MACHINE WAS BUSY" if got < 0.85 * asked else ""
-        bench.say(f"{scene.name}: stored, {got:.2g} of {asked:g} CPU seconds{busy}")
+        for half, of in enumerate(runs, 1):
+            exr_write(run.stored / f"{scene.name}-{half}.exr", exr_read(of.out))
+        about = {"scene": bench.store.sum_of(run.files[scene.name]),
+                 **{k: runs[0].said[k] for k in ("max_depth", "width", "height", "integrator")}, "program": bench.version(),
+                 "seeds": [1000001, 1000002], "spp": [of.said["spp"] for of in runs],
+                 "cpu_seconds": [round(of.said["cpu_seconds"], 1) for of in runs]}
+        (run.stored / f"{scene.name}.json").write_text(json.dumps(about, indent=1) + "\n", encoding="utf-8")
+        bench.say(f"{scene.name}: stored")

@@ -1,41 +1,30 @@
-"""The paper's figures from our renders and pictures of what each stage did, both in doc/figures.md; small pictures of
-both for the README; and `make demo`."""
+"""The paper's figures from our renders (in doc/efficiency.md), pictures of what each stage did (in doc/portals.md), and the
+README's picture."""
 import os
-import re
 import shutil
-import subprocess
 from pathlib import Path
 from statistics import mean
 
 import pages
-from common import ROOT, SEEDED, STAGES, TESTDATA, Made, Setting, Stop, measure, settings
+from common import ROOT, SEEDED, STAGES, TESTDATA, Made, Setting, Stop, settings
 
 SCENES = ("cornell-box-portal", "veach-ajar", "veach-ajar-flip", "bathroom2", "bathroom2-channel")
-INTEGRATORS = ("pt", "nee", "bdpt", "tdpt-org", "tdpt")
-# The paper's share of non-zero pixels at 1 spp and CPU time per frame.
-FIG5 = {"pt": ("0.00619 %", "not in the text"), "nee": ("0.382 %", "not in the text"),
-        "bdpt": ("4.79 %", "not in the text"), "tdpt-org": ("27.6 %", "3.1 s"), "tdpt": ("24.4 %", "2.5 s")}
+PICTURES = ("veach-ajar", "veach-ajar-flip")  # of which Fig 7 shows pictures
+# The paper's share of non-zero pixels at 1 spp and CPU seconds of a frame; None: not in its text.
+FIG5 = {"pt": ("0.00619 %", None), "nee": ("0.382 %", None), "bdpt": ("4.79 %", None), "tdpt-org": ("27.6 %", "3.1"),
+        "tdpt": ("24.4 %", "2.5")}
 
 
 class Figures:
     def __init__(self, bench):
         self.bench, self.s, self.files = bench, bench.settings, bench.there(SCENES)
-        height = self.s.height or (0 if self.s.width else 120)
-        sizes = ("--width", self.s.width), ("--height", height)
-        self.size = [word for name, value in sizes if value for word in (name, value)]
-
-    def portal(self, scene):
-        return self.bench.portals(self.files[scene],
-                                  options=lambda program: ("--seed", self.s.seed) if program in SEEDED else ())
 
     def render(self, scene, integrator, spp, depth, seed, *options):
-        """said: with its frames."""
-        given = ("--portal", self.portal(scene).file) if integrator.startswith("tdpt") else ()
-        run = self.bench.render(self.files[scene], *given, "--integrator", integrator, *self.size, "--spp", spp,
-                                "--max-depth", depth, "--seed", seed, "--stats", Made("stats.json"), *options,
-                                threads=0)
-        run.said = pages.read_json(run.folder / "stats.json")
-        return run
+        portal = self.bench.portals(self.files[scene], options=lambda program: (
+            "--seed", self.s.seed) if program in SEEDED else ()).file
+        given = ("--portal", portal) if integrator.startswith("tdpt") else ()
+        return self.bench.render(self.files[scene], *given, "--integrator", integrator, "--height", self.s.height, "--spp",
+                                 spp, "--max-depth", depth, "--seed", seed, *options, threads=0)
 
     def copy(self, path, name):
         shutil.copy(path, self.bench.doc / "figures" / name)
@@ -45,254 +34,89 @@ def percent(share):
     return pages.three(100 * share) + " %"
 
 
-def size_of(said):
-    return f"{said['width']} x {said['height']}"
-
-
-def portal_table(figures):
-    rows = []
-    for scene in figures.files:
-        said = figures.portal(scene).said
-        portals = said["portals"]
-        cells = [", ".join(f"{round(f * p[key], digits):g}{unit}" for p in portals) or "-" for key, f, digits, unit in
-                 (("area", 1, 3, ""), ("flux_share", 100, 1, " %"), ("support", 1, 2, ""))]
-        reason = f" ({said['reason']})" if not portals and said.get("reason") else ""
-        rows.append([scene, f"{len(portals)}{reason}", *cells])
-    return pages.table(("scene", "portals", "area [m2]", "flux_share", "support"), rows)
-
-
 def figure5(figures):
-    """How the picture of the Cornell box with a hole forms."""
-    runs = {i: figures.render("cornell-box-portal", i, figures.s.frames, 6, figures.s.seed) for i in INTEGRATORS}
-    plot = pages.Figure(3, 320, 330)
-    panels = {words: [] for words in ("a  non-zero pixels [%]", "b  mean of the picture", "c  CPU seconds per frame")}
+    """How much of the picture of the Cornell box with a hole one sample finds."""
     rows = []
-    for i, run in runs.items():
-        said, before, points = run.said, 0, []
-        for frame in said["frames"]:
-            points.append((frame["spp"], 100 * frame["nonzero"], mean(frame["mean"]), frame["cpu_seconds"] - before))
-            before = frame["cpu_seconds"]
-        block = plot.block(points)
-        for column, drawn in enumerate(panels.values(), 2):
-            drawn.append(f'{block} using 1:{column} with lines lw 2 title "{i}"')
-        rows.append([i, percent(said["frames"][0]["nonzero"]), FIG5[i][0], percent(said["nonzero"]),
-                     pages.three(mean(said["mean"])), "about 0.02", pages.three(said["cpu_seconds"] / said["spp"]),
-                     FIG5[i][1]])
-    for words, drawn in panels.items():
-        own = {"a": ("set yrange [0:*]",), "b": ("set key right bottom",)}.get(words[0], ())
-        plot.panel(words, "samples per pixel", "", drawn, ("set logscale x 2", *own))
-    pages.draw(plot.script("fig5.svg"), figures.bench.doc / "figures")
-    seconds = [runs[i].said["cpu_seconds"] for i in ("tdpt-org", "tdpt")]
-    change, n = 100 * (1 - seconds[1] / seconds[0]), figures.s.frames
-    heads = ("integrator", "non-zero at 1 spp", "the paper", f"at {n} spp", f"mean at {n} spp", "the paper",
-             "CPU s per frame", "the paper")
-    return f"""{pages.table(heads, rows)}
-
-A frame of tdpt takes {abs(change):.0f} % {'more' if change < 0 else 'less'} CPU time than one of tdpt-org; the paper \
-says about 20 % less."""
+    for i, (share, seconds) in FIG5.items():
+        one, many = (figures.render("cornell-box-portal", i, spp, 6, figures.s.seed).said for spp in (1, figures.s.frames))
+        rows.append([i, percent(one["nonzero"]), share, pages.three(mean(many["mean"])), "about 0.02",
+                     pages.three(many["cpu_seconds"] / many["spp"]), seconds or "not in the text"])
+    return pages.table(("integrator", "non-zero at 1 spp", "the paper", f"mean at {figures.s.frames} spp", "the paper",
+                        "CPU s per frame", "the paper"), rows)
 
 
 def figure6(figures):
     """Non-zero pixels of one sample per pixel."""
-    three = ("bdpt", "tdpt-org", "tdpt")
-    runs = {i: figures.render("veach-ajar-flip", i, 1, 5, figures.s.seed,
-                              "--set", Made("nonzero.png", "nonzero=")) for i in three}
+    runs = {i: figures.render("veach-ajar-flip", i, 1, 5, figures.s.seed, "--set", Made("nonzero.png", "nonzero="))
+            for i in ("bdpt", "tdpt-org", "tdpt")}
     for i, run in runs.items():
         figures.copy(run.folder / "nonzero.png", f"fig6-{i}.png")
-    said = [run.said for run in runs.values()]
-    rows = [[f"![{i}](figures/fig6-{i}.png)" for i in three], [f"{percent(s['nonzero'])} non-zero" for s in said],
-            [f"mean {pages.three(mean(s['mean']))}" for s in said]]
-    return pages.table(three, rows)
+    return pages.table(runs, [[f"![{i}](figures/fig6-{i}.png)" for i in runs],
+                              [f"{percent(r.said['nonzero'])} non-zero" for r in runs.values()],
+                              [f"mean {pages.three(mean(r.said['mean']))}" for r in runs.values()]])
 
 
 def figure7(figures):
     """The same samples for everyone, against a long rendering."""
     rows, pictures, number, s = [], [], pages.three, figures.s
     for scene in figures.files:
-        reference = figures.render(scene, "tdpt-org", s.ref_spp, 5, s.seed + 1)
-        runs = {i: figures.render(scene, i, s.spp, 5, s.seed) for i in ("bdpt", "tdpt-org", "tdpt")}
-        costs = {}
-        for i, run in runs.items():
-            made = figures.bench.store.run("exrdiff", run.out, reference.out, "--side-by-side", Made("both.png"),
-                                           output=False)
-            if i != "tdpt-org":
-                figures.copy(made.folder / "both.png", f"fig7-{scene}-{i}.png")
+        reference, bdpt = figures.render(scene, "tdpt-org", s.ref_spp, 5, s.seed + 1), None
+        for i in ("bdpt", "tdpt-org", "tdpt"):
+            run = figures.render(scene, i, s.spp, 5, s.seed)
+            made = figures.bench.store.run("exrdiff", run.out, reference.out, "--side-by-side", Made("both.png"), output=False)
             e, seconds = made.said, run.said["cpu_seconds"]
-            costs[i] = e["relmse"] * seconds
-            found_all = costs[i] > 0 and 0.8 < e["mean"] / e["reference_mean"] < 1.2
-            rows.append([scene, i, "-" if e["psnr"] is None else "%.2f" % e["psnr"],
-                         *map(number, (e["mape"], e["relmse"])), percent(e["nonzero"]), number(e["mean"]),
-                         number(seconds), "%.2g" % (costs["bdpt"] / costs[i]) if found_all else "-"])
-        pictures.append([scene, *(f"![{i} left, reference right](figures/fig7-{scene}-{i}.png)"
-                                  for i in ("bdpt", "tdpt"))])
+            if scene in PICTURES and i != "tdpt-org":
+                figures.copy(made.folder / "both.png", f"fig7-{scene}-{i}.png")
+            cost = e["relmse"] * seconds
+            bdpt = bdpt or cost
+            rows.append([scene, i, "-" if e["psnr"] is None else "%.2f" % e["psnr"], *map(number, (e["mape"], e["relmse"])),
+                         percent(e["nonzero"]), number(e["mean"]), number(seconds), "%.2g" % (bdpt / cost) if cost > 0 else "-"])
+    pictures = [[scene, *(f"![{i} left, reference right](figures/fig7-{scene}-{i}.png)" for i in ("bdpt", "tdpt"))]
+                for scene in PICTURES if scene in figures.files]
     return pages.sections(
-        pages.table(("scene", "integrator", "PSNR [dB]", "MAPE [%]", "relMSE", "non-zero", "mean", "CPU s",
-                     "efficiency"), rows),
-        pages.table(("scene", "bdpt, reference", "tdpt, reference"), pictures))
+        pages.table(("scene", "integrator", "PSNR [dB]", "MAPE [%]", "relMSE", "non-zero", "mean", "CPU s", "efficiency"), rows),
+        pages.table(("scene", "bdpt, reference", "tdpt, reference"), pictures) if pictures else "")
 
 
-@settings(WIDTH=Setting(0, "of the pictures; one follows from the other and the camera", 32),
-          HEIGHT=Setting(0, "the same; 120 if neither is given", 18),
+@settings(HEIGHT=Setting(120, "of the pictures; the width follows from it and the camera", 18),
           SPP=Setting(16, "samples per pixel of Fig 7's pictures", 2), REF_SPP=Setting(512, "of their references", 4),
           FRAMES=Setting(128, "samples per pixel of Fig 5", 3), SEED=Setting(1, "of all"))
 def figures(bench):
-    """The paper's Figs 5 to 7 from our own renders, with portals that the four stages find."""
-    bench.need("gnuplot")
+    """The paper's Figs 5 to 7 from our own renders, with portals that the four stages find. Five minutes."""
     (bench.doc / "figures").mkdir(exist_ok=True)
     f = Figures(bench)
-    bench.page("figures", {"portals": portal_table(f),
-                           "fig5": figure5(f) if "cornell-box-portal" in f.files else "",
-                           "fig6": figure6(f) if "veach-ajar-flip" in f.files else "", "fig7": figure7(f)})
+    bench.page("efficiency", {"fig5": figure5(f) if "cornell-box-portal" in f.files else "",
+                              "fig6": figure6(f) if "veach-ajar-flip" in f.files else "", "fig7": figure7(f)})
 
 
 # ---- Pictures of the stages ----
-@settings(SCENE=Setting("", "the room behind a door; default veach-ajar.glb of the paper's scenes"),
-          INTERIOR=Setting("", "a room whose lamp stands in its own window, for the last picture; default kitchen.glb "
-                           "of the interiors; left out, with a word, where it is not there"),
-          WINDOWS=Setting("", "a room lit by an environment through its windows; default living-room.glb of the "
-                          "interiors; left out, with a word, where it is not there"),
-          SKY=Setting("", "what shines on WINDOWS, --environment; default the map beside it, NAME.env.exr"))
+@settings(SCENE=Setting("", "a scene of yours, alone; default: a room behind a door, one with windows under a sky, and one whose "
+                        "lamp stands in its own window, of the paper's scenes and interiors, as far as they are there"),
+          SKY=Setting("", "what shines on SCENE, --environment"))
 def stages(bench):
-    """The pictures of the stages in doc/figures.md, for a room behind a door and for one with windows; the cache
-    receives the same for 3D viewers."""
-    s, scenes = bench.settings, Path(bench.settings.scenes)
-    scene, interior, windows = (Path(given or scenes / name).resolve() for given, name in (
-        (s.scene, "veach-ajar.glb"), (s.interior, "interiors/kitchen.glb"), (s.windows, "interiors/living-room.glb")))
-    if not scene.exists():
-        raise Stop(3, f"there is no scene {scene}; name one with SCENE=FILE")
-    (bench.doc / "figures").mkdir(exist_ok=True)
-
-    def pictures(room, suffix, sky=()):
-        made = ("--preview", Made("preview.png"), "--debug-glb", Made("debug.glb"))
-        of = bench.portals(room, sky, lambda program: (*(("--scene", room) if program == "mincut" else ()), *made))
-        for program, run in of.runs.items():
-            shutil.copy(run.folder / "preview.png", bench.doc / f"figures/stage-{program}{suffix}.png")
-            shutil.copy(run.folder / "debug.glb", bench.cache / f"{program}{suffix}.debug.glb")
-
-    pictures(scene, "")
-    if interior.exists():
-        cut = bench.store.run("mincut", bench.store.run("ffgraph", interior, threads=0).out, "--scene", interior,
-                              "--preview", Made("preview.png"), threads=0)
-        shutil.copy(cut.folder / "preview.png", bench.doc / "figures/stage-mincut-kitchen.png")
-    else:
-        bench.say(f"{interior} is not there: its picture is left out")
-    if windows.exists():
-        sky = s.sky or windows.with_suffix(".env.exr")
-        pictures(windows, "-windows", ("--environment", Path(sky) if Path(sky).exists() else sky))
-    else:
-        bench.say(f"{windows} is not there: its pictures are left out")
-    names = ",".join(STAGES)
-    bench.say(f"{bench.doc}/figures/stage-{{{names}}}.png, for 3D viewers {bench.cache}/*.debug.glb")
-
-
-@settings()
-def thumbnails(bench):
-    """The small pictures of README.md, 240 pixels wide, cut from those that stages and figures draw."""
-    bench.need("convert")
-    folder = bench.doc / "figures"
-    for name, of, part in (("ffgraph", "stage-ffgraph", "790x393+774+92"), ("mincut", "stage-mincut", "790x393+774+92"),
-                           ("lightgrid", "stage-lightgrid", "980x480+55+92"),
-                           ("portalfit", "stage-portalfit", "748x380+34+92"),
-                           ("tdpt-render", "fig7-veach-ajar-tdpt", "213x120+215+0")):
-        subprocess.run(["convert", folder / f"{of}.png", "-crop", part, "+repage", "-resize", "240x", "-strip",
-                        folder / f"thumbnail-{name}.png"], check=True)
-
-
-# ---- A portal for a room lit through a hole, and what it is good for ----
-def comparison(seconds, bdpt, portal, cpu, noisy):
-    """In words, what two pictures of so many seconds are worth by what exrdiff says of them. cpu: seconds that they
-    got; noisy: whether the reference is about as short."""
-    gain, decibels = bdpt["relmse"] / portal["relmse"], portal["psnr"] - bdpt["psnr"]
-    if gain >= 1:
-        words = f"""In the same {seconds:g} seconds the portal makes the error {gain:.1f} times smaller (relMSE), \
-and the
-picture {abs(decibels):.1f} dB {'worse' if decibels < 0 else 'better'} (PSNR). \
-Since the error falls with time, bdpt alone would need
-about {seconds * gain:.0f} seconds for the same."""
-        if noisy:
-            words += "\nThe reference has noise of its own, which counts against both: the true gain is larger."
-    else:
-        words = f"""In the same {seconds:g} seconds the error is {1 / gain:.1f} times larger with the portal (relMSE), \
-PSNR differs
-by {decibels:+.1f} dB: this scene is better rendered without."""
-    black = portal["black"]["relmse"]
-    if bdpt["relmse"] > 0.5 * black:
-        words += f"\nA picture of no light at all scores {black:.3g}: bdpt has found little here."
-    if max(cpu) > 1.1 * min(cpu):
-        words += f"\nBut the machine was busy: bdpt got {cpu[0]:.0f} CPU seconds and the portal {cpu[1]:.0f}; " \
-                 "try again when it is idle."
-    return words
-
-
-@settings(SCENE=Setting(str(TESTDATA / "scenes/two-rooms.glb"), "a room lit through a hole"),
-          SECONDS_EACH=Setting(20.0, "of a picture", 1.0),
-          SECONDS_REFERENCE=Setting(90.0, "of the reference, where testdata/references has none of the scene", 4.0),
-          WIDTH=Setting(160, "of the pictures"), HEIGHT=Setting(120, ""),
-          DEPTH=Setting("none", "edges of the longest path; none: the whole light"))
-def demo(bench):
-    """Finds the portal of a room, renders with bdpt and through the portal in the same time, compares both with a
-    reference, and leaves everything in CACHE."""
-    s, out, scene = bench.settings, os.path.relpath(bench.cache), Path(bench.settings.scene).resolve()
-    os.chdir(bench.cache)
-    size = ["--width", s.width, "--height", s.height, *(() if s.depth == "none" else ("--max-depth", s.depth))]
-
-    def run(*words):
-        """Shows a command as one would type it, then runs it."""
-        print("  $", " ".join(map(str, words)).replace(f"{ROOT}/", "").replace(str(scene), scene.name), flush=True)
-        if status := subprocess.run([bench.store.program(words[0]), *map(str, words[1:])], check=False).returncode:
-            raise SystemExit(status)
-
-    print(f"This ends on {out}/before-after.png: the room without and with the portal, side by side, after "
-          f"{s.seconds_each:g} seconds each.\n\nFinding the portal")
-    run("ffgraph", scene, "-o", "room.max", "--quiet")
-    run("mincut", "room.max", "-o", "room.cut", "--quiet")
-    run("lightgrid", scene, "room.cut", "-o", "room.vdb", "--quiet")
-    run("portalfit", "room.vdb", "-o", "room.portal.glb")
-    print(f"\nRendering for {s.seconds_each:g} seconds each, without the portal and with it")
-    for name, how in (("bdpt", ("--integrator", "bdpt")), ("portal", ("--portal", "room.portal.glb"))):
-        run("tdpt-render", scene, *how, "--time", f"{s.seconds_each:g}", *size, "-o", f"{name}.exr", "--preview",
-            "--stats", f"{name}.stats")
-    print()
-
-    # The shipped reference will do if it shows the very scene (its hash stands in the header) in the same size and
-    # depth; otherwise one is rendered, and kept for the next time.
-    kept = TESTDATA / f"references/{scene.stem}{'' if s.depth == 'none' else f'-depth{s.depth}'}.exr"
-    origins = [re.search(rb"from %s [0-9a-f]*" % re.escape(scene.name).encode(), path.read_bytes()[:16384])
-               for path in (Path("portal.exr"), kept) if path.exists()]
-    shipped = len({origin and origin[0] for origin in origins}) == 1 and origins[0] and \
-        measure([bench.store.program("exrdiff"), "portal.exr", kept]).status == 0
-    read = (bench.store.program("tdpt-render"), scene, "room.portal.glb")
-    key, noted = " ".join(map(str, (*map(bench.store.sum_of, read), s.seconds_reference, *size))), Path("reference.key")
-    reference = kept if shipped else "reference.exr"
-    if shipped:
-        print("Comparing with the reference in testdata/references")
-    elif noted.exists() and noted.read_text() == key:
-        print("Comparing with the reference from last time")
-    else:
-        print(f"Rendering a reference for {s.seconds_reference:g} seconds, with another seed")
-        noted.unlink(missing_ok=True)
-        run("tdpt-render", scene, "--portal", "room.portal.glb", "--integrator", "tdpt-guided", "--time",
-            f"{s.seconds_reference:g}", "--seed", "2", *size, "-o", reference)
-        noted.write_text(key)
-    errors = [bench.fresh("exrdiff", f"{name}.exr", reference, output=f"{name}-error.png").said
-              for name in ("bdpt", "portal")]
-    bench.fresh("exrdiff", "bdpt.exr", "portal.exr", "--side-by-side", "before-after.png")
-
-    print(f"\n  {'':14} {'relMSE':>12} {'PSNR [dB]':>12} {'MAPE [%]':>12} {'mean':>12}")
-    for name, of in (("bdpt", errors[0]), ("portal", errors[1]), ("", {"mean": 0, **errors[1]["black"]})):
-        name = f"{name}, {s.seconds_each:g} s" if name else "all black"
-        print(f"  {name:14} {of['relmse']:12.4g} {of['psnr']:12.2f} {of['mape']:12.1f} {of['mean']:12.4g}")
-    print(f"  {'reference':14} {'':12} {'':12} {'':12} {errors[1]['reference_mean']:12.4g}\n")
-    cpu = [pages.read_json(Path(f"{name}.stats"))["cpu_seconds"] for name in ("bdpt", "portal")]
-    print(comparison(s.seconds_each, *errors, cpu, not shipped))
-    print(f"Pictures: {out}/before-after.png (bdpt left, through the portal right), {out}/bdpt-error.png and\n"
-          f"{out}/portal-error.png (red too bright, blue too dark), {out}/*.exr.")
+    """The pictures of the stages in doc/portals.md; the cache receives the same for 3D viewers."""
+    s, (folder, made) = bench.settings, (bench.doc / "figures", ("--preview", Made("preview.png"), "--debug-glb", Made("debug.glb")))
+    folder.mkdir(exist_ok=True)
+    own = bench.find("living-room")
+    rooms = [(Path(s.scene).resolve(), "", s.sky, STAGES)] if s.scene else [
+        (bench.find("veach-ajar"), "", "", STAGES), (own, "-windows", own and own.with_suffix(".env.exr"), STAGES),
+        (bench.find("kitchen"), "-kitchen", "", ("mincut",))]
+    for scene, suffix, sky, programs in rooms:
+        if not scene or not scene.exists():
+            bench.say(f"there is no scene {scene or 'for stage-*' + suffix + '.png'}, left out")
+            continue
+        light = ("--environment", Path(sky) if Path(sky).exists() else sky) if sky else ()
+        of = bench.portals(scene, light, lambda program, scene=scene: (
+            *(("--scene", scene) if program == "mincut" else ()), *made))
+        for program in programs:
+            shutil.copy(of.runs[program].folder / "preview.png", folder / f"stage-{program}{suffix}.png")
+            shutil.copy(of.runs[program].folder / "debug.glb", bench.cache / f"{program}{suffix}.debug.glb")
+    bench.say(f"{folder}/stage-*.png, for 3D viewers {bench.cache}/*.debug.glb")
 
 
 @settings(SCENE=Setting("veach-ajar", "a room behind an opening, of SCENES, or a file"), WIDTH=Setting(640, "of each half", 24),
           SECONDS_EACH=Setting(60.0, "CPU seconds of a picture", 0.2), REF=Setting(10.0, "of the reference, over theirs", 2.0),
-          SCENES=Setting(os.path.relpath(ROOT / "../shared/scenes"), "folder of the paper's scenes"),
-          BEFORE=Setting("nee", "integrator of the left one"), ALSO=Setting("bdpt", "another without portals, told alone"))
+          SCENES=Setting(os.path.relpath(ROOT / "../shared/scenes"), "folder of the paper's scenes"))
 def before_after(bench):
     """DOC/before-after.png, the README's picture: a room behind an opening, on the left without portals, on the right with
     those that the four stages find, in equal CPU time; and what both are worth, for the caption, on stdout."""
@@ -307,15 +131,11 @@ def before_after(bench):
         few = bench.render(scene, "--width", s.width, "--spp", 4, *options, threads=0).said["cpu_seconds"]
         return bench.render(scene, "--width", s.width, "--spp", max(1, round(4 * seconds / few)), *options, threads=0)
 
-    pictures = [render(s.seconds_each, "--integrator", s.before), render(s.seconds_each, "--integrator", s.also),
-                render(s.seconds_each, *portal)]
+    pictures = [render(s.seconds_each, *how) for how in (("--integrator", "nee"), ("--integrator", "bdpt"), portal)]
     reference = render(s.ref * s.seconds_each, *portal, "--seed", 1000001)
     both = bench.store.run("exrdiff", pictures[0].out, pictures[2].out, "--side-by-side", Made("both.png"), output=False)
     shutil.copy(both.folder / "both.png", bench.doc / "before-after.png")
-    print(f"{scene.name}, {reference.said['width']} x {reference.said['height']} each")
     for run in pictures:
         off, said = bench.distance(run.out, reference.out), run.said
-        print(f"{said['integrator']} {said.get('chosen') or 'without portals'}, {said['spp']} samples per pixel, "
-              f"{said['cpu_seconds']} CPU s: relMSE {off['relmse']}, PSNR {off['psnr']} dB, mean {off['mean']} "
-              f"(reference {off['reference_mean']}); black: relMSE {off['black']['relmse']}, PSNR "
-              f"{off['black']['psnr']} dB")
+        print(f"{said['integrator']} {said.get('chosen') or ''}, {said['spp']} samples per pixel, {said['cpu_seconds']} CPU s: "
+              f"relMSE {off['relmse']}, PSNR {off['psnr']} dB; black: {off['black']['relmse']}, {off['black']['psnr']} dB")

@@ -1,7 +1,6 @@
 """Files that the distribution has no Python module for. OpenEXR pictures: scanlines, ZIP, channels B G R; what is
 written is half, or float where a value is beyond half's range; the others come to half's precision there, too, which
-packs to half the size. And glTF binaries: made-up ones, portals at known places, scenes without their smallest
-triangles."""
+packs to half the size. And glTF binaries: made-up ones, portals at known places."""
 import json
 import struct
 import zlib
@@ -27,8 +26,8 @@ def _zip(raw):
     return packed if len(packed) < len(raw) else raw
 
 
-def exr_content(rgb, comments="", **strings):
-    """The bytes of the file. `rgb`: height x width x 3, row 0 at the top; strings: more attributes."""
+def exr_content(rgb):
+    """The bytes of the file. `rgb`: height x width x 3, row 0 at the top."""
     height, width, channels = rgb.shape
     if channels != 3:
         raise ValueError(f"{channels} channels, expected 3")
@@ -41,7 +40,6 @@ def exr_content(rgb, comments="", **strings):
     window = struct.pack("<4i", 0, 0, width - 1, height - 1)
     head = struct.pack("<2i", 20000630, 2) + b"".join(_attribute(*of) for of in (
         ("channels", "chlist", kinds),
-        *((name, "string", text.encode()) for name, text in {"comments": comments, **strings}.items() if text),
         ("compression", "compression", ZIP), ("dataWindow", "box2i", window), ("displayWindow", "box2i", window),
         ("lineOrder", "lineOrder", b"\0"), ("pixelAspectRatio", "float", struct.pack("<f", 1)),
         ("screenWindowCenter", "v2f", bytes(8)), ("screenWindowWidth", "float", struct.pack("<f", 1)))) + b"\0"
@@ -64,13 +62,13 @@ def _unzip(packed, size):
 
 
 def _attributes(data):
-    """{name: (type, bytes)}, and where the header ends."""
+    """{name: bytes}, and where the header ends."""
     found, place = {}, 8
     while data[place]:
         name, kind, rest = data[place:].split(b"\0", 2)
         place += len(name) + len(kind) + 6
         (size,) = struct.unpack_from("<i", rest)
-        found[name.decode()] = kind.decode(), rest[4 : 4 + size]
+        found[name.decode()] = rest[4 : 4 + size]
         place += size
     return found, place + 1
 
@@ -86,14 +84,14 @@ def _channels(head):
 
 
 def exr_parse(data, path="picture"):
-    """(height x width x 3 of R G B, its string attributes) of the bytes of a file; what else it has is left out."""
+    """Height x width x 3 of R G B, of the bytes of a file; what else it has is left out."""
     attributes, place = _attributes(data)
-    left, top, right, bottom = struct.unpack("<4i", attributes["dataWindow"][1])
+    left, top, right, bottom = struct.unpack("<4i", attributes["dataWindow"])
     width, height = right - left + 1, bottom - top + 1
-    channels = _channels(attributes["channels"][1])
+    channels = _channels(attributes["channels"])
     if not {"R", "G", "B"} <= {name for name, _ in channels}:
         raise ValueError(f"{path}: expected channels B G R")
-    if attributes["compression"][1] != ZIP:
+    if attributes["compression"] != ZIP:
         raise ValueError(f"{path}: expected ZIP compression")
     line = sum(size for _, size in channels) * width
     rgb = np.empty((height, width, 3))
@@ -107,15 +105,15 @@ def exr_parse(data, path="picture"):
                 part = np.ascontiguousarray(raw[:, at : at + size * width]).view("<f2" if size == 2 else "<f4")
                 rgb[y - top : y - top + lines, :, "RGB".index(name)] = part
             at += size * width
-    return rgb, {name: value.decode() for name, (kind, value) in attributes.items() if kind == "string"}
+    return rgb
 
 
 def exr_read(path):
     return exr_parse(Path(path).read_bytes(), path)
 
 
-def exr_write(path, rgb, comments="", **strings):
-    Path(path).write_bytes(exr_content(rgb, comments, **strings))
+def exr_write(path, rgb):
+    Path(path).write_bytes(exr_content(rgb))
 
 
 # ---- glTF binaries ----
@@ -184,15 +182,9 @@ class Builder:
             primitive["material"] = material
         self.node({"mesh": self.add("meshes", {"primitives": [primitive]}), **node})
 
-    def camera(self, eye, target, **perspective):
-        """Upright, at eye, looking at target."""
-        back = np.asarray(eye, float) - target
-        back /= np.linalg.norm(back)
-        right = np.cross((0.0, 1.0, 0.0), back)
-        right /= np.linalg.norm(right)
-        camera = self.add("cameras", {"type": "perspective", "perspective": {"znear": 0.01, **perspective}})
-        columns = ((right, 0), (np.cross(back, right), 0), (back, 0), (eye, 1))
-        self.node({"camera": camera, "matrix": [float(v) for column, w in columns for v in (*column, w)]})
+    def polygon(self, corners, name):
+        """A flat one, as a fan of triangles."""
+        self.mesh(corners, [i for k in range(1, len(corners) - 1) for i in (0, k, k + 1)], name=name)
 
     def diffuse(self, colour, **more):
         """A material that reflects evenly and nothing else; its index."""
@@ -212,7 +204,7 @@ def portals_glb(rectangles):
     builder = Builder()
     for i, rectangle in enumerate(rectangles):
         corner, u, v = (np.array(x, float) for x in rectangle)
-        builder.mesh([corner, corner + u, corner + u + v, corner + v], [0, 1, 2, 0, 2, 3], name=f"portal.{i}")
+        builder.polygon([corner, corner + u, corner + u + v, corner + v], f"portal.{i}")
     return builder.content()
 
 
@@ -246,41 +238,3 @@ def placed(document, nodes, above):
         matrix = above @ _matrix(node)
         yield node, matrix
         yield from placed(document, node.get("children", ()), matrix)
-
-
-def simplified(data, share):
-    """(the scene without its smallest triangles, which make at most `share` of the area (paper, 4.1); how many of how
-    many are gone). What emits stays. A mesh that several nodes show loses those that are small where it is largest."""
-    document, binary = glb_parse(data)
-    largest = {}  # of each primitive: areas, the most of all nodes
-    for node, matrix in placed(document, document["scenes"][document.get("scene", 0)]["nodes"], np.eye(4)):
-        for p, primitive in enumerate(document["meshes"][node["mesh"]]["primitives"] if "mesh" in node else ()):
-            if primitive.get("mode", 4) != 4 or "indices" not in primitive or _emits(document, primitive):
-                continue
-            places = gltf_array(document, binary, primitive["attributes"]["POSITION"]).astype(float) @ matrix[:3, :3].T
-            a, b, c = places[gltf_array(document, binary, primitive["indices"]).reshape(-1, 3)].swapaxes(0, 1)
-            areas = np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2
-            largest[node["mesh"], p] = np.maximum(largest.get((node["mesh"], p), 0), areas)
-    all_areas = np.sort(np.concatenate(list(largest.values())))
-    gone = np.searchsorted(np.cumsum(all_areas), share * all_areas.sum(), side="right")
-    least = all_areas[min(gone, len(all_areas) - 1)]
-    dropped = 0
-    for (mesh, p), areas in largest.items():
-        primitive = document["meshes"][mesh]["primitives"][p]
-        indices = gltf_array(document, binary, primitive["indices"]).reshape(-1, 3)
-        kept = areas >= least
-        if not kept.any():  # glTF has no empty primitives
-            kept[np.argmax(areas)] = True
-        dropped += int((~kept).sum())
-        new = indices[kept].astype("<u4").tobytes()
-        document["bufferViews"].append({"buffer": 0, "byteOffset": len(binary), "byteLength": len(new)})
-        document["accessors"].append({"bufferView": len(document["bufferViews"]) - 1, "componentType": INTEGERS,
-                                      "count": 3 * int(kept.sum()), "type": "SCALAR"})
-        primitive["indices"] = len(document["accessors"]) - 1
-        binary += new
-    document["buffers"][0]["byteLength"] = len(binary)
-    return glb_content(document, binary), dropped, len(all_areas)
-
-
-def _emits(document, primitive):
-    return "material" in primitive and any(document["materials"][primitive["material"]].get("emissiveFactor", ()))

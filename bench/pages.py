@@ -1,14 +1,9 @@
-"""Tables in Markdown, numbers as tables have them, and plots as text for gnuplot: panels that are told apart without
-colour, by points and dashes."""
+"""Tables in Markdown, numbers as tables have them, and plots as text for gnuplot."""
 import csv
 import json
 import math
 import re
 import subprocess
-
-STYLES = ("dt 1 pt 7", "dt 2 pt 5", "dt 3 pt 9", "dt 4 pt 11", "dt 5 pt 13", "dt 2 pt 6", "dt 3 pt 4", "dt 4 pt 8",
-          "dt 5 pt 10", "dt 2 pt 12")
-COLOURS = ("#000000", "#d55e00", "#0072b2", "#009e73", "#cc79a7", "#56b4e9", "#8c6d00", "#666666", "#aa4499", "#44aa99")
 
 
 def hundredths(x):
@@ -74,31 +69,6 @@ def label(text):
     return '"%s"' % text.replace("_", r"\\_")
 
 
-def number(x):
-    return "NaN" if x is None or (isinstance(x, float) and not math.isfinite(x)) else "%.6g" % x
-
-
-def short(value):
-    """A number of an axis: 6.25k, 1.2M; a word as it is."""
-    try:
-        x = float(value)
-    except ValueError:
-        return value
-    return "%.3gM" % (x / 1e6) if x >= 1e6 else "%.3gk" % (x / 1e3) if x >= 1e3 else "%.4g" % x
-
-
-def span(values, least, most):
-    """A range of an axis that holds the values and what is given, a little wider; as gnuplot has it."""
-    values = [v for v in values if math.isfinite(v) and v > 0]
-    return "[%.4g:%.4g]" % (min([least, *values]) / 1.15, max([most, *values]) * 1.15)
-
-
-def ticks(words):
-    """An axis of 0, 1, ... with these words."""
-    return "set xtics (%s); set xrange [-0.5:%g]" % (", ".join('"%s" %d' % (w, i) for i, w in enumerate(words)),
-                                                     len(words) - 0.5)
-
-
 class Figure:
     """Panels in rows. Each: title, words of the axes, lines, marks."""
 
@@ -107,10 +77,8 @@ class Figure:
 
     def block(self, rows):
         """Rows of numbers, as a named block of the script."""
-        rows = [[*row[:2], *(row[1] if isinstance(c, float) and math.isnan(c) else c for c in row[2:])] for row in rows]
         name = "$d%d" % len(self.data)
-        self.data.append("%s << EOD\n%s\nEOD\n" % (name, "\n".join(
-            " ".join(c if isinstance(c, str) else number(c) for c in row) for row in rows)))
+        self.data.append("%s << EOD\n%s\nEOD\n" % (name, "\n".join(" ".join(map("%.6g".__mod__, row)) for row in rows)))
         return name
 
     def panel(self, title, x, y, plots, settings=()):
@@ -128,41 +96,11 @@ class Figure:
     def script(self, output):
         columns = min(self.columns, len(self.panels))
         lines = -(-len(self.panels) // columns)
-        kind = "svg" if output.endswith(".svg") else "pngcairo"
-        head = ['set terminal %s size %d,%d font "sans-serif,12" background "white"' %
-                (kind, columns * self.width, lines * self.height), 'set output "%s"' % output,
+        head = ['set terminal pngcairo size %d,%d font "sans-serif,12" background "white"' %
+                (columns * self.width, lines * self.height), 'set output "%s"' % output,
                 "set multiplot layout %d,%d" % (lines, columns)]
         common = ['set grid lc rgb "#dddddd" lt 1 lw 0.5', "set border lw 1", "set key off", "set pointsize 1.1",
                   "set bars 0.6", "set lmargin 9", "set rmargin 2", "set tmargin 2.2", "set bmargin 3.5",
                   'set format x "%g"', 'set format y "%g"']
         body = [line for panel in self.panels for line in ("reset", *common, *panel)]
         return "".join(self.data) + "\n".join(head + body + ["unset multiplot"]) + "\n"
-
-
-def style(k, thick=1.5):
-    return 'lc rgb "%s" lw %g %s' % (COLOURS[k % len(COLOURS)], thick, STYLES[k % len(STYLES)])
-
-
-def keyed(k, words):
-    """Of the key."""
-    return 'NaN with linespoints %s title "%s"' % (style(k), words)
-
-
-def line(block, k, thick=1.5):
-    """Without points."""
-    return "%s using 1:2 with lines %s notitle" % (block, style(k, thick).rsplit(" pt ", 1)[0])
-
-
-def bars(block, k, thick=1.5, lines=True):
-    """x y low high, with its interval; joined by lines. An interval that is not known is none."""
-    found = ['%s using 1:2:3:4 with yerrorbars lc rgb "%s" lw %g pt %s notitle' % (
-        block, COLOURS[k % len(COLOURS)], thick, STYLES[k % len(STYLES)].split()[-1])]
-    return found + ([line(block, k, thick)] if lines else [])
-
-
-def thin(block):
-    return '%s using 1:2 with lines lc rgb "#aaaaaa" lw 1 notitle' % block
-
-
-def ring(block):
-    return '%s using 1:2 with points pt 6 ps 2.4 lw 1.5 lc rgb "#000000" notitle' % block

@@ -1,24 +1,24 @@
-"""Other renderers at equal CPU time in rooms of real buildings: Cycles without and with path guiding, LuxCore's
-bidirectional path tracer, Mitsuba's path tracer: doc/peers.md."""
+"""Other renderers in equal CPU time, behind holes and doors and in rooms of real buildings: Cycles without and with path
+guiding, LuxCore's bidirectional path tracer, Mitsuba's path tracer: doc/peers.md."""
 import functools
 import json
 import os
-from pathlib import Path
 
 import numpy as np
 
 import pages
 import stats
 from common import ROOT, Halves, Setting, Stop, checked, peers_python, settings, turns
-from formats import exr_read, glb_content, glb_parse, gltf_array, placed
-from sky import Cell, Picture, black_words
+from formats import glb_content, glb_parse, gltf_array, placed
+from sky import Cell, Picture
 
-VIEWS = ("jasmin-night.bedroom", "sample-house-night.bedroom")
-LIT = ("jasmin-night.hall", "sample-house-night.living")  # of the same houses, in lamplight
+# What light comes through, by rooms of testdata or HOUSE.CAMERA.
+VIEWS = {"half-metre-hole": "a hole of 0.50 m", "two-rooms": "a hole of 0.25 m", "small-hole": "a hole of 0.10 m",
+         "three-rooms": "two holes of 0.25 m in a row", "door-ajar": "a door ajar",
+         "jasmin-night.bedroom": "two doors ajar, a house", "sample-house-night.bedroom": "one door, a house"}
 PEERS = {"cycles": "Cycles", "cycles-guided": "Cycles, path guiding", "luxcore": "LuxCore, bidirectional",
          "mitsuba": "Mitsuba, path"}
 OURS = {"bdpt": "our `bdpt`", "auto": "our `auto`, portals found"}
-PACKAGES = {"cycles": "bpy", "cycles-guided": "bpy", "luxcore": "pyluxcore", "mitsuba": "mitsuba"}
 SEED = 20261126
 INSIDE = ROOT / "bench/peers_inside.py"
 
@@ -84,7 +84,7 @@ def plain(data, camera):
             if light["type"] != "point":
                 raise ValueError(f"lamp {light.get('name')} is a {light['type']}")
             lamps.append([matrix[:3, 3], np.array(light.get("color", (1, 1, 1))) * light.get("intensity", 1)])
-    matrix, yfov = views[camera]
+    matrix, yfov = views[camera or next(iter(views))]
     return {"corners": np.concatenate(corners).astype("f4"), "material": np.concatenate(material),
             "colours": np.array([m["pbrMetallicRoughness"].get("baseColorFactor", (1, 1, 1))[:3] for m in materials]),
             "emission": np.array([emission_of(m) for m in materials]), "lamps": np.array(lamps).reshape(-1, 2, 3),
@@ -99,45 +99,44 @@ def inside(*arguments, may_fail=()):
 
 
 class View:
-    """HOUSE.CAMERA, without its panes."""
+    """A room without its panes: NAME or HOUSE.CAMERA."""
 
     def __init__(self, bench, name, versions):
         self.bench, self.name, self.versions = bench, name, versions
-        house, _, self.camera = name.partition(".")
+        house, _, camera = name.partition(".")
         source = bench.find(house)
         if not source:
-            raise Stop(3, f"there is no houses/{house}.glb in SCENES")
+            raise Stop(3, f"there is no {house}.glb in SCENES")
         if source.with_name(f"{house}.env.exr").exists():
             raise Stop(2, f"{house} is lit by a sky, which the others do not get")
         content, _ = without_panes(source.read_bytes())
         self.scene, self.arrays = (bench.cache / f"{name}{end}" for end in (".glb", ".npz"))
         self.scene.write_bytes(content)
-        np.savez(self.arrays, **plain(content, self.camera))
+        np.savez(self.arrays, **plain(content, camera))
+        self.camera = ("--camera", camera) if camera else ()
         self.size = ("--width", bench.settings.width, "--height", bench.settings.width * 9 // 16)
 
     @functools.cached_property
     def portals(self):
-        return self.bench.portals(self.scene, (), lambda p: ("--camera", self.camera) if p == "ffgraph" else (), 1)
+        return self.bench.portals(self.scene, (), lambda program: self.camera if program == "ffgraph" else (), 1)
 
-    def theirs(self, method, seeds, amount):
-        """[(path, samples, CPU seconds)] of the seeds, by one process."""
-        words = [method, *self.size, "--seeds", *seeds, *amount]
-        store = self.bench.store
+    def theirs(self, method, seed, amount):
+        """(path, samples, CPU seconds)"""
+        store, words = self.bench.store, [method, *self.size, "--seed", seed, *amount]
 
         def make(folder):
             folder.mkdir()
-            told = inside(method, self.arrays, folder / "%d.exr", *words[1:])
-            (folder / "told.json").write_text(json.dumps(told))
+            (folder / "told.json").write_text(json.dumps(inside(method, self.arrays, folder / "out.exr", *words[1:])))
 
-        folder = store.keep([store.sum_of(self.scene), self.camera, store.sum_of(INSIDE), self.versions[method],
+        folder = store.keep([store.sum_of(self.scene), *self.camera, store.sum_of(INSIDE), self.versions[method],
                              os.environ.get("MITSUBA_VARIANT", ""), *words], make, ".peer")
         told = json.loads((folder / "told.json").read_text())
-        return [(folder / f"{seed}.exr", of["samples"], of["cpu"]) for seed, of in zip(seeds, told)]
+        return folder / "out.exr", told["samples"], told["cpu"]
 
     def ours(self, method, seed, samples):
         portal = ("--portal", self.portals.file) if method == "auto" and self.portals.count else ()
-        run = self.bench.render(self.scene, "--camera", self.camera, *self.size, "--integrator", method, *portal, "--seed",
-                                seed, "--spp", samples)
+        run = self.bench.render(self.scene, *self.camera, *self.size, "--integrator", method, *portal, "--seed", seed,
+                                "--spp", samples)
         return run.out, run.said["spp"], run.said["cpu_seconds"]
 
     def samples_in(self, method, seconds):
@@ -150,96 +149,76 @@ class View:
         if method in OURS:
             return self.ours(method, seed, samples or self.samples_in(method, seconds))
         known = samples and method.startswith("cycles")  # The others stop by themselves.
-        return self.theirs(method, [seed], ("--spp", samples) if known else ("--cpu-seconds", seconds))[0]
+        return self.theirs(method, seed, ("--spp", samples) if known else ("--cpu-seconds", seconds))
 
 
 def measured(view, methods):
-    """A Cell, with the means of all pictures over the reference's, by their methods."""
+    """A Cell, with the means of the pictures by their methods; the one that gains are over is auto."""
     bench, s = view.bench, view.bench.settings
     samples = view.samples_in("auto", s.ref * s.seconds_each)
     reference = Halves(bench, *(view.ours("auto", 1000000 + half, samples)[0] for half in (1, 2)))
-    cell = Cell(reference.black, reference.peak, ("auto",), SEED, view=view, means={m: [] for m in methods},
-                halves=[way["mean"] for way in reference.ways], reference=reference.both("mean"))
+    cell = Cell(reference.black, reference.peak, ("auto",), SEED, portals=view.portals, means={m: [] for m in methods})
     known = {}
     for seed, method in turns(range(1, s.seeds + 1), methods):
         path, known[method], cpu = view.made(method, seed, s.seconds_each, known.get(method))
         off = reference.off(path)
         cell.pictures[method].append(Picture(cpu, off["relmse"], off["mse"], spp=known[method]))
         cell.means[method].append(off["mean"])
-        bench.say(f"{view.name}, {method}, {seed}: {known[method]} spp, {cpu:.1f} s, relMSE {off['relmse']:.3g}, mean "
-                  f"{off['mean'] / cell.reference:.4f}")
+    bench.say(f"{view.name} is measured")
     return cell
 
 
-def same_means(view, methods):
-    """{method: means of pictures} of a view with little noise; ours by bdpt."""
-    s, means = view.bench.settings, {}
-    for method in methods:
-        made = (view.theirs(method, list(range(1, s.seeds + 1)), ("--cpu-seconds", s.means_seconds)) if method in PEERS else
-                [view.ours("bdpt", seed, view.samples_in("bdpt", s.means_seconds)) for seed in range(1, s.seeds + 1)])
-        means[method] = np.array([exr_read(path)[0].mean() for path, _, _ in made])
-        view.bench.say(f"{view.name}, {method}: means {means[method]}")
-    return means
-
-
 # ---- Page ----
-def over(cell, base, method):
-    """How many times as efficient `method` is as `base`."""
-    return "" if base == method else stats.ratio(cell.costs(base), cell.costs(method), SEED).text(pages.three)
+NAMES = {**PEERS, **OURS}
 
 
-def view_rows(cell):
-    names, rows = {**PEERS, **OURS}, []
-    for method, pictures in cell.pictures.items():
-        relmse, psnr = cell.error(method)
-        spp, cpu = np.mean([(p.spp, p.cpu) for p in pictures], 0)
-        rows.append([names[method], "%.0f" % spp, "%.1f" % cpu, pages.three(relmse), "%.1f" % psnr,
-                     over(cell, method, "bdpt"), over(cell, method, "auto")])
-    black = black_words(cell).split(", ")
-    return [*rows, ["a black picture", "", "", *black, "", ""]]
+def gains_table(cells):
+    """How many times as efficient auto is as each other method, a row a view."""
+    others = [m for m in NAMES if m != "auto"]
+    rows = [[name, VIEWS.get(name, ""), *(stats.ratio(cell.costs(m), cell.costs("auto"), SEED).text(pages.three)
+                                          if cell.pictures[m] else "" for m in others),
+             f"{cell.portals.count}, {cell.portals.cpu:.0f} s"] for name, cell in cells.items()]
+    return pages.table(("view", "light comes through", *(NAMES[m] for m in others), "portals, CPU time of finding"), rows)
 
 
-def means_rows(name, means):
-    """means: {method: those of its pictures}, with ours of bdpt, which the others are held against."""
-    ours = stats.mean_and_error(np.array(means["bdpt"]))
-    for method, values in means.items():
-        mean, error = stats.mean_and_error(np.array(values))
-        apart = f"{100 * (mean / ours[0] - 1):+.2f} %" if method != "bdpt" else ""
-        yield [name, {**PEERS, **OURS}[method], "%.5g" % mean, f"{100 * error / mean:.2f} %", apart]
+def pictures_table(cells):
+    rows = []
+    for name, cell in cells.items():
+        for method in (m for m in NAMES if cell.pictures[m]):
+            relmse, psnr = cell.error(method)
+            spp, cpu = np.mean([(p.spp, p.cpu) for p in cell.pictures[method]], 0)
+            rows.append([name, NAMES[method], "%.0f" % spp, "%.1f" % cpu, pages.three(relmse), "%.1f" % psnr])
+        rows.append([name, "a black picture", "", "", pages.three(cell.black["relmse"]), "%.1f" % cell.black["psnr"]])
+    return pages.table(("view", "method", "samples per pixel", "CPU s", "relMSE", "PSNR, dB"), rows)
 
 
-def parts(cells, means):
-    heads = ("method", "samples per pixel", "CPU s", "relMSE", "PSNR, dB", "our `bdpt` is", "our `auto` is")
-    tables = []
-    for cell in cells:
-        view, split = cell.view, abs(cell.halves[0] - cell.halves[1]) / cell.reference
-        tables += [f"**{view.name}**: {view.portals.count} portals, found in {view.portals.cpu:.0f} CPU seconds. The two "
-                   f"halves of the reference differ by {100 * split:.2f} % in the mean.",
-                   pages.table(heads, view_rows(cell))]
-    rows = [row for name, of in [*means.items(), *((c.view.name, c.means) for c in cells)] for row in means_rows(name, of)]
-    return {"equal": pages.sections(*tables),
-            "means": pages.table(("view", "method", "mean", "standard error", "beside our `bdpt`"), rows)}
+def means_table(cells):
+    """Of the pictures, beside those of bdpt."""
+    rows = []
+    for name, cell in cells.items():
+        ours = np.mean(cell.means["bdpt"])
+        for method, values in cell.means.items():
+            mean, error = stats.mean_and_error(np.array(values))
+            apart = f"{100 * (mean / ours - 1):+.2f} %" if method != "bdpt" else ""
+            rows.append([name, NAMES[method], "%.5g" % mean, f"{100 * error / mean:.2f} %", apart])
+    return pages.table(("view", "method", "mean", "standard error", "beside our `bdpt`"), rows)
 
 
 @settings(SECONDS_EACH=Setting(5.0, "CPU seconds of a picture", 1.0), SEEDS=Setting(4, "pictures of each kind", 2),
           REF=Setting(8.0, "how many times as long each half of a reference takes", 2.0),
-          MEANS=Setting(LIT, "views with little noise, whose means are compared, too, or none"),
-          MEANS_SECONDS=Setting(3.0, "CPU seconds of a picture of these", 0.5), WIDTH=Setting(96, "of the pictures", 48))
+          WIDTH=Setting(96, "of the pictures", 48))
 def peers(bench):
-    """Other renderers beside ours in equal CPU time: views of real buildings without their panes, several seeds taking
-    turns, one thread each. ONLY: views, as HOUSE.CAMERA. `make peers` installs the others; those that are missing are
-    left out. PEERS_PYTHON in the environment names another Python that has them. Half an hour."""
+    """Other renderers beside ours in equal CPU time: rooms behind holes and doors and views of real buildings without
+    their panes, several seeds taking turns, one thread each. ONLY: views, as NAME or HOUSE.CAMERA. `make peers` installs
+    the others; those that are missing are left out. PEERS_PYTHON in the environment names another Python that has them.
+    An hour."""
     versions = inside("versions", may_fail=(1,))  # a Python without numpy has none of them
-    for method in PEERS:
-        if method not in versions:
-            bench.say(f"{PEERS[method]}: there is no {PACKAGES[method]} (make peers), left out")
     methods = [method for method in PEERS if method in versions]
     if not methods:
-        raise Stop(5, f"none of {', '.join(dict.fromkeys(PACKAGES.values()))} is installed (make peers)")
+        raise Stop(5, "none of bpy, pyluxcore, mitsuba is installed (make peers)")
+    for method in set(PEERS) - set(methods):
+        bench.say(f"{PEERS[method]} is not installed (make peers), left out")
     views = [View(bench, name, versions) for name in bench.settings.only or VIEWS]
-    lit = [View(bench, name, versions) for name in bench.settings.means if name != "none"]
-    means = bench.side_by_side([functools.partial(same_means, view, [*methods, "bdpt"]) for view in lit])
     cells = bench.side_by_side([functools.partial(measured, view, [*methods, *OURS]) for view in views])
-    made = parts(cells, {view.name: of for view, of in zip(lit, means)})
-    print("\n\n".join(made.values()))
-    bench.page("peers", made)
+    made = {view.name: cell for view, cell in zip(views, cells)}
+    bench.page("peers", {"gains": gains_table(made), "pictures": pictures_table(made), "means": means_table(made)})

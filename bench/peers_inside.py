@@ -1,9 +1,8 @@
 """What runs in a Python that has bpy, pyluxcore or mitsuba; doc/peers.md tells what is set, and why.
   peers_inside.py versions
 Prints JSON: {method: version}, of those that are installed.
-  peers_inside.py METHOD SCENE.npz OUT-%d.exr --seeds SEED... [OPTIONS]
-Renders the scene that peers.py wrote by one thread, a picture for each seed, and prints JSON: of each picture its
-samples (per pixel) and cpu (seconds of rendering).
+  peers_inside.py METHOD SCENE.npz OUT.exr [OPTIONS]
+Renders the scene that peers.py wrote by one thread, and prints JSON: samples (per pixel) and cpu (seconds of rendering).
 
 SCENE.npz, in metres, +Y up:  corners (triangles x 3 x 3), material (of each triangle), colours, emission (of each
 material; radiance of the front), lamps (place, radiant intensity [W/sr]), camera (its matrix to the world; it looks
@@ -20,8 +19,6 @@ import time
 import numpy as np
 
 from formats import exr_write
-
-sys.path.pop(0)  # This folder has a cycles.py, and so has Blender.
 
 LUXCORE_DEPTH = 16  # vertices of each half of a path; without Russian roulette, which makes BIDIRCPU too bright
 CYCLES_DEPTH = 1024  # bounces, the most that it has
@@ -121,7 +118,7 @@ def cycles(scene, a, guided=False):
         bpy.ops.render.render(write_still=True)
         return time.process_time() - before
 
-    trial = a.out.replace("%d", "trial")
+    trial = a.out + ".trial.exr"
     taken(1, trial)  # Data that persist are made here.
     one, samples = min(taken(1, trial) for _ in range(3)), a.spp
     if a.cpu_seconds:
@@ -280,12 +277,10 @@ def main():
     parser.add_argument("scene")
     parser.add_argument("out")
     parser.add_argument("--cpu-seconds", type=float, default=0.0, help="as many samples as take so long, instead of --spp")
-    parser.add_argument("--seeds", type=int, nargs="+", default=[1])
-    for option, default in (("width", 160), ("height", 90), ("spp", 16)):
+    for option, default in (("width", 160), ("height", 90), ("spp", 16), ("seed", 1)):
         parser.add_argument(f"--{option}", type=int, default=default)
     a = parser.parse_args()
-    picture = METHODS[a.method][1](Scene(a.scene), a)
-    return [dict(zip(("samples", "cpu"), picture(seed, a.out.replace("%d", str(seed))))) for seed in a.seeds]
+    return dict(zip(("samples", "cpu"), METHODS[a.method][1](Scene(a.scene), a)(a.seed, a.out)))
 
 
 if __name__ == "__main__":

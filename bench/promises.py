@@ -1,6 +1,5 @@
-"""What the renderer promises: that `auto` chooses well, by a model of what samples cost, and that a picture has the
-error that was asked for. Both are in doc/regret.md."""
-import fileinput
+"""What the renderer promises: that `auto` chooses well, and that a picture has the error that was asked for. Both are
+in doc/regret.md."""
 import functools
 import json
 import math
@@ -51,11 +50,7 @@ def openings_glb(building, camera):
     for opening in json.loads(building.with_suffix(".openings.json").read_text(encoding="utf-8")):
         if opening["state"] == "closed" or room not in opening["rooms"]:
             continue
-        corners = [np.array(c, float) for c in opening["polygon"]]
-        if opening["rooms"][1] != room:
-            corners.reverse()
-        fan = [i for k in range(1, len(corners) - 1) for i in (0, k, k + 1)]
-        builder.mesh(corners, fan, name=opening["name"])
+        builder.polygon(opening["polygon"][:: 1 if opening["rooms"][1] == room else -1], opening["name"])
     return builder.content()
 
 
@@ -245,19 +240,14 @@ def regret(bench):
     """What `auto` loses by not knowing which integrator is best, and how right its verdict on portals is. About 25
     minutes on two quiet cores. ONLY: names of scenes, with +found or +drawn for those with portals."""
     s, texts = bench.settings, []
-
-    def measure(name, scene, *portal, options=()):
+    for name, scene, portal, options in regret_scenes(bench, s.rooms, s.seed):
         command = [bench.store.program("regret_bench"), scene, *portal, *options, "--name", name, "--seconds",
                    f"{s.seconds_each:g}", "--seeds", s.seeds, "--width", 64, "--height", 48]
         sums = [bench.store.sum_of(path) for path in (command[0], scene, *portal)]
-
-        def make(path):
-            bench.say(name)
-            path.write_text(checked(command).said, encoding="utf-8")
-        texts.append(bench.store.keep([*sums, *options, *command[-10:]], make, ".txt").read_text(encoding="utf-8"))
-
-    for name, scene, portals, options in regret_scenes(bench, s.rooms, s.seed):
-        measure(name, scene, *portals, options=options)
+        kept = bench.store.keep([*sums, *options, *command[-10:]],
+                                lambda path, command=command: path.write_text(checked(command).said, encoding="utf-8"), ".txt")
+        bench.say(name)
+        texts.append(kept.read_text(encoding="utf-8"))
     if not texts:
         raise Stop(3, "none of the scenes is there")
     measured = read_regret("".join(texts).splitlines())
@@ -275,44 +265,27 @@ SIZES = {"two-rooms": (32, 24, 0.01, True), "veach-ajar": (32, 18, 0.03, True),
          "kitchen": (40, 24, 0.013, False)}
 
 
-class Kept:
+def target_row(name, pixels, target, pictures):
     """How well a scene's pictures keep their target."""
-
-    def __init__(self, pixels, target, pictures):
-        relmse = np.array([p.relmse for p in pictures])
-        self.pixels, self.target, self.pictures = pixels, target, len(pictures)
-        self.ratios = target / relmse
-        self.met = stats.wilson(int(np.sum(relmse <= target)), len(pictures))
-        self.better = np.quantile(self.ratios, [0.1, 0.5, 0.9])
-        self.samples = np.median([p.fixed for p in pictures])
-        self.pilot = np.median([p.pilot / p.fixed for p in pictures])
-        self.told = np.median([p.told / p.relmse for p in pictures if p.told >= 0])
-        missed = [p for p in pictures if p.relmse > target]
-        self.missed, self.known = len(missed), sum(not p.reached for p in missed)
-        self.false_alarms = sum(not p.reached for p in pictures) - self.known
-
-    def keeps_its_word(self):
-        return self.met.value >= MET and self.better[1] <= BETTER
+    ratios, missed = target / np.array([p.relmse for p in pictures]), [p for p in pictures if p.relmse > target]
+    met, better = stats.wilson(len(pictures) - len(missed), len(pictures)), np.quantile(ratios, [0.1, 0.5, 0.9])
+    known = sum(not p.reached for p in missed)
+    return [name, pixels, f"{target:g}", len(pictures), "%.0f %% [%.0f, %.0f]" % (100 * met.value, 100 * met.low, 100 * met.high),
+            "%.2f [%.2f, %.2f]" % (better[1], better[0], better[2]), "%.0f" % np.median([p.fixed for p in pictures]),
+            "%.0f %%" % (100 * np.median([p.pilot / p.fixed for p in pictures])),
+            "%.2f" % np.median([p.told / p.relmse for p in pictures if p.told >= 0]), f"{len(missed)}, {known}",
+            sum(not p.reached for p in pictures) - known, "yes" if met.value >= MET and better[1] <= BETTER else "no"]
 
 
 def target_table(scenes):
-    """scenes: {name: Kept}"""
-    rows = []
-    for name, k in scenes.items():
-        met = k.met.percent()
-        rows.append([name, k.pixels, f"{k.target:g}", k.pictures,
-                     f"{met.value:.0f} % [{met.low:.0f}, {met.high:.0f}]",
-                     "%.2f [%.2f, %.2f]" % (k.better[1], k.better[0], k.better[2]), f"{k.samples:.0f}",
-                     f"{100 * k.pilot:.0f} %", f"{k.told:.2f}", f"{k.missed}, {k.known}", k.false_alarms,
-                     "yes" if k.keeps_its_word() else "no"])
-    ratios = np.concatenate([k.ratios for k in scenes.values()])
-    share = stats.wilson(int(np.sum(ratios >= 1)), len(ratios)).percent()
+    """scenes: {name: (pixels, target, pictures)}"""
+    ratios = np.array([target / p.relmse for _, target, pictures in scenes.values() for p in pictures])
     return pages.sections(
         pages.table(("scene", "pixels", "E", "pictures", "meet it [95 %]", "E / relMSE, median [10 %, 90 %]", "samples",
-                     "pilot samples", "estimate / relMSE", "missed, of these reported",
-                     "met, but reported as missed", "kept"), rows),
-        f"All {len(ratios)} pictures: {share.value:.1f} % [{share.low:.1f}, {share.high:.1f}] meet their target, and "
-        f"the median picture is {np.median(ratios):.2f} times too good.")
+                     "pilot samples", "estimate / relMSE", "missed, of these reported", "met, but reported as missed", "kept"),
+                    [target_row(name, *of) for name, of in scenes.items()]),
+        f"Of all {len(ratios)} pictures {100 * np.mean(ratios >= 1):.1f} % meet their target, and the median picture is "
+        f"{np.median(ratios):.2f} times too good.")
 
 
 @settings(SEEDS=Setting(100, "pictures of each scene", 2))
@@ -339,101 +312,8 @@ def target_error(bench):
             path.write_text("\n".join(lines), encoding="ascii")
 
         sums = [bench.store.sum_of(path) for path in (program, files[name], *portal)]
-        try:
-            lines = bench.store.keep([*sums, *options], make).read_text(encoding="ascii").splitlines()
-        except Stop:
-            bench.say(f"{name} could not be measured")
-            raise
-        return Kept(width * height, target, [Picture(*map(float, line.split())) for line in lines])
+        lines = bench.store.keep([*sums, *options], make).read_text(encoding="ascii").splitlines()
+        return width * height, target, [Picture(*map(float, line.split())) for line in lines]
 
     kept = bench.side_by_side([functools.partial(measure, name) for name in files])
     bench.page("regret", {"target-error": target_table(dict(zip(files, kept)))})
-
-
-# ---- The model of work, tools/tdpt-render/plan/work_model.h ----
-# Least squares of relative errors: sum over lines of ((terms . costs) / nanoseconds - 1)^2, one fit to the lines with
-# portals and one to those without; lines of pt do not count. A term that is 0 in all lines stays 0, unwritten; one that
-# is held has that cost where it is not.
-KEYS = ("scene", "depth", "integrator", "portals", "nanoseconds")  # before the terms
-TABLES = {1: "kWorkWithPortals", 0: "kWorkWithoutPortals"}
-DEVICE_TABLES = {1: "kDeviceWorkWithPortals", 0: "kDeviceWorkWithoutPortals"}
-
-
-def read_work(lines):
-    """Names of the terms and, by TABLES' keys, lines as (keys, terms). Throws ValueError."""
-    terms, rows = [], {key: [] for key in TABLES}
-    for number, fields in enumerate((line.rstrip("\n").split("\t") for line in lines), 1):
-        keys, values = dict(zip(KEYS, fields)), fields[len(KEYS) :]
-        if tuple(keys.values()) == KEYS:
-            terms = values
-        elif len(values) != len(terms) or not float(keys["nanoseconds"]) > 0:
-            raise ValueError(f"line {number}: expected {len(terms)} terms after positive nanoseconds, as in the header")
-        else:
-            rows[int(keys["portals"])].append((keys, [float(x) for x in values]))
-    return terms, rows
-
-
-def fit(terms, times, held=np.nan):
-    """Costs [ns] that least squares of relative errors give; terms[line, term], times[line] in ns. held[term]: its
-    cost where it is known, else nan; nan: none is.
-
-    Throws ValueError where the lines do not determine them."""
-    there, costs = np.any(terms != 0, axis=0), np.zeros(terms.shape[1])
-    known = there & ~np.isnan(held)
-    costs[known] = np.broadcast_to(held, costs.shape)[known]
-    there &= ~known
-    a = terms[:, there] / times[:, None]
-    # Columns of one length: the rank is then about directions and not about units.
-    lengths = np.linalg.norm(a, axis=0)
-    solution, _, rank, _ = np.linalg.lstsq(a / lengths, 1 - terms @ costs / times, rcond=1e-9)
-    if rank < a.shape[1]:
-        raise ValueError(f"{len(times)} lines determine {rank} of {a.shape[1]} costs: more scenes are needed")
-    costs[there] = solution / lengths
-    return costs
-
-
-def ratio_errors(rows, costs):
-    """By line: the model's ratio to bdpt's time, of the same scene and depth, over the measured one, less 1. `rows`,
-    `costs`: by TABLES' keys; bdpt's line may have the other table's."""
-    lines = [(keys, np.dot(terms, costs[key]), float(keys["nanoseconds"])) for key in rows for keys, terms in rows[key]]
-    place = lambda keys: (keys["scene"], keys["depth"])
-    bdpt = {place(keys): (model, measured) for keys, model, measured in lines if keys["integrator"] == "bdpt"}
-    return np.array([(model / bdpt[place(keys)][0]) / (measured / bdpt[place(keys)][1]) - 1
-                     for keys, model, measured in lines if keys["integrator"] != "bdpt" and place(keys) in bdpt])
-
-
-def costs_text(name, names, costs):
-    """As it stands in work_model.h; whole nanoseconds."""
-    lines = [f"    .{n} = {c:.0f}," for n, c in zip(names, costs) if round(c) != 0]
-    return "\n".join([f"inline constexpr WorkCosts {name}{{", *lines, "};"])
-
-
-def held_costs(costs, names):
-    """held[term] of fit(); costs: TERM=COST. Throws ValueError."""
-    held = np.full(len(names), np.nan)
-    for name, cost in (word.split("=") for word in costs):
-        if name not in names:
-            raise ValueError(f"HOLD: {name}: there is no such term")
-        held[names.index(name)] = float(cost)
-    return held
-
-
-@settings(FILES=Setting(("/dev/stdin",), "what work_model_bench printed"), DEVICE=Setting(0, "1: tables of a device"),
-          HOLD=Setting((), "TERM=COST ..., costs that are known"))
-def work_model(bench):
-    """Fits the tables of tools/tdpt-render/plan/work_model.h to what work_model_bench measured, headers in between
-    allowed, and prints them as they stand there. How far the fit is off goes to standard error."""
-    s = bench.settings
-    with fileinput.input(s.files, encoding="utf-8") as lines:
-        names, rows = read_work(lines)
-    held = held_costs(s.hold, names)
-    rows = {key: [row for row in rows[key] if row[0]["integrator"] != "pt"] for key in rows if rows[key]}
-    costs = {}
-    for key, of in rows.items():
-        terms = np.array([row for _, row in of])
-        costs[key] = np.round(fit(terms, np.array([float(keys["nanoseconds"]) for keys, _ in of]), held))
-        print(costs_text((DEVICE_TABLES if s.device else TABLES)[key], names, costs[key]))
-    errors = np.abs(ratio_errors(rows, costs))
-    if errors.size:
-        bench.say(f"{sum(map(len, rows.values()))} lines; ratios to bdpt are off by {100 * errors.mean():.1f} % on "
-                  f"average, {100 * errors.max():.1f} % at most")

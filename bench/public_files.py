@@ -1,14 +1,11 @@
 """What becomes of glTF files as they come: doc/scenes.md, "Public files"."""
 import functools
 import hashlib
-import json
 import os
-import re
 import resource
 import subprocess
 import tempfile
-import urllib.parse
-from collections import Counter, defaultdict
+from collections import Counter
 from pathlib import Path
 
 import numpy as np
@@ -26,37 +23,18 @@ PROGRAMS = {"tdpt-render": [*SKY, "--width", "64", "--height", "48", "--spp", "4
 WRONG = ("crash", "hang", "not finite")  # and must not be
 
 
-def beside(path, data):
-    """Contents of the files that a .gltf names."""
-    try:
-        scene = json.loads(data)
-        names = [p["uri"] for section in ("buffers", "images") for p in scene.get(section, [])
-                 if "uri" in p and not p["uri"].startswith("data:")]
-        files = [path.parent / urllib.parse.unquote(name) for name in names]
-        return [file.read_bytes() for file in files if file.is_file()]
-    except (AttributeError, TypeError, ValueError):
-        return []
-
-
 def scenes(folder):
-    """The files to try, and how many are left out as copies and as pointers."""
-    found, seen, copies, pointers = [], set(), 0, 0
+    """The files to try: one of those of the same bytes, and no pointer of Git LFS."""
+    found = {}
     for path in sorted(p for p in Path(folder).rglob("*") if p.suffix.lower() in (".glb", ".gltf") and p.is_file()):
         data = path.read_bytes()
-        all_of_it = [data, *beside(path, data)]
-        key = hashlib.sha256(b"\0".join(all_of_it)).digest()
-        if any(part.startswith(POINTER) for part in all_of_it):
-            pointers += 1
-        elif key in seen:
-            copies += 1
-        else:
-            seen.add(key)
-            found.append(str(path))
-    return found, copies, pointers
+        if not data.startswith(POINTER):
+            found.setdefault(hashlib.sha256(data).digest(), str(path))
+    return list(found.values())
 
 
 def attempt(folder, program, path):
-    """(what became of it, its words)."""
+    """(what became of it, the last line of what it said)."""
     options = PROGRAMS[program]
     with tempfile.TemporaryDirectory() as scratch:
         out = os.path.join(scratch, "out")
@@ -67,44 +45,27 @@ def attempt(folder, program, path):
         except subprocess.TimeoutExpired:
             return "hang", ""
         words = run.stderr.decode("utf-8", "replace")
+        told = (words.strip().split("\n") or [""])[-1]
         if run.returncode:
-            return "refused" if run.returncode == 3 else "crash", words
-        if program == "tdpt-render" and not np.isfinite(exr_read(out)[0]).all():
-            return "not finite", words
-        return "read with warnings" if "warning: " in words else "read", words
-
-
-def message(words, path):
-    """The last line without program, path and numbers, so that those alike fall together."""
-    line = (words.strip().split("\n") or [""])[-1].replace(path, "FILE")
-    line = re.sub(r"^[\w-]+: ", "", line)
-    return re.sub(r"-?\d+(\.\d+)?(e[-+]?\d+)?", "N", re.sub(r'"[^"]*"', '"..."', line))
-
-
-def tell(results):
-    """Prints tables of {(program, path): (kind, words)}; whether nothing went wrong."""
-    counts = Counter((program, of) for (program, _), (of, _) in results.items())
-    kinds = ["read", "read with warnings", "refused", *WRONG]
-    print(pages.table(("program", *kinds), [[p, *(counts[p, k] for k in kinds)] for p in PROGRAMS]) + "\n")
-    groups = defaultdict(list)
-    for (program, path), (of, words) in results.items():
-        if of in WRONG or (of == "refused" and program == "tdpt-render"):
-            groups[of, message(words, path)].append(path)
-    for (of, text), paths in sorted(groups.items(), key=lambda g: -len(g[1])):
-        print(f"{len(paths):5} {of}: {text}: {paths[0]}")
-    return not any(of in WRONG for of, _ in results.values())
+            return "refused" if run.returncode == 3 else "crash", told
+        if program == "tdpt-render" and not np.isfinite(exr_read(out)).all():
+            return "not finite", told
+        return "read with warnings" if "warning: " in words else "read", told
 
 
 @settings(FOLDER=Setting("", "that of the files"))
 def public_files(bench):
     """Tries tdpt-render, ffgraph and tdpt-info on every glTF file below FOLDER, as it comes, and tells what became of
-    them. Files with the same bytes are tried once; those that are pointers of Git LFS, or whose buffers are, are not
-    tried."""
+    them. Files with the same bytes are tried once, pointers of Git LFS not at all."""
     if not os.path.isdir(bench.settings.folder):
         raise Stop(2, "FOLDER=FOLDER: expected the folder of the files")
-    found, copies, pointers = scenes(bench.settings.folder)
-    print(f"{len(found)} files; {copies} copies and {pointers} pointers of Git LFS left out\n")
-    jobs = [(program, path) for path in found for program in PROGRAMS]
+    jobs = [(program, path) for path in scenes(bench.settings.folder) for program in PROGRAMS]
     results = bench.side_by_side([functools.partial(attempt, bench.programs, *job) for job in jobs])
-    if not tell(dict(zip(jobs, results))):
+    for (_, path), (of, told) in zip(jobs, results):
+        if of not in ("read", "read with warnings"):
+            print(f"{of}: {path}: {told}")
+    counts = Counter((program, of) for (program, _), (of, _) in zip(jobs, results))
+    kinds = ["read", "read with warnings", "refused", *WRONG]
+    print("\n" + pages.table(("program", *kinds), [[p, *(counts[p, k] for k in kinds)] for p in PROGRAMS]))
+    if any(of in WRONG for of, _ in results):
         raise Stop(1, "something went wrong")

@@ -1,7 +1,9 @@
-"""Do other programs read in a text of `portalfit --for` what the portals are? In the Python of `make peers`:
-  readers.py mitsuba|usd PORTALS.glb TEXT
+"""Do other programs read in a text of `portalfit --for` what the portals are? In the Python of `make peers`, or a Blender:
+  readers.py cycles|mitsuba|usd PORTALS.glb TEXT
+  blender -b --factory-startup --python-exit-code 1 --python readers.py -- cycles PORTALS.glb TEXT
 Prints what they have read; exit code 1, with a sentence for each fault, where it is something else.
 
+cycles   Blender runs the script; each lamp is held against its portal.
 usd      usd-core: its validators, and its API, as a sublayer of a stage that has a dome light.
 mitsuba  Its parser. Version 3.9.1 has no emitter `portal`: a stand-in takes its place and tells where it was put."""
 import os
@@ -12,6 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
+sys.path.insert(0, os.path.dirname(os.path.realpath(__file__)))  # Blender does not
 from formats import glb_parse, gltf_array, placed
 
 NEAR = 1e-5  # metres, and of a unit vector: files and readers have single precision
@@ -54,8 +57,23 @@ def portals_of(path):
     return portals
 
 
+def cycles(path):
+    """({name: Light}, sentences, what was run). An area lamp shines along its -Z; Blender's x, y, z are x, -z, y."""
+    import bpy
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    for _ in range(2):  # run again, it replaces its lamps
+        exec(compile(Path(path).read_text(encoding="utf-8"), path, "exec"), {"__name__": "__main__"})
+    bpy.context.view_layer.update()
+    upright = np.array([(1, 0, 0, 0), (0, 0, 1, 0), (0, -1, 0, 0), (0, 0, 0, 1)], float)
+    lamps = {o.name: o for o in bpy.context.scene.objects if o.type == "LIGHT"}
+    wrong = [f"{name} is no rectangular area lamp that is a portal" for name, o in lamps.items() if
+             o.data.type != "AREA" or o.data.shape != "RECTANGLE" or not o.data.cycles.is_portal]
+    return {name.replace(".", "_"): Light(upright @ np.array(o.matrix_world), o.data.size, o.data.size_y, -1)
+            for name, o in lamps.items() if not wrong}, wrong, f"Blender {bpy.app.version_string}"
+
+
 def mitsuba(path):
-    """({name: Light}, sentences, what was run)"""
+    """The same."""
     import mitsuba as mi
     mi.set_variant("scalar_rgb")
     lights = {}
@@ -67,15 +85,10 @@ def mitsuba(path):
             half = np.linalg.norm(matrix[:3, :2], axis=0)  # The square has sides of 2.
             lights[properties.id()] = Light(matrix / [*half, 1, 1], *(2 * half), 1)
 
-    known = True
-    try:
-        mi.load_dict({"type": "portal"})
-    except RuntimeError:
-        known = False
     mi.register_emitter("portal", Portal)
     mi.load_string('<scene version="3.0.0"><emitter type="constant"/><include filename="$text"/></scene>',
                    text=os.path.abspath(path))
-    return lights, [], f"Mitsuba {mi.__version__}, which has {'an' if known else 'no'} emitter portal"
+    return lights, [], f"Mitsuba {mi.__version__}"
 
 
 ROOM = """#usda 1.0
@@ -92,6 +105,7 @@ def DomeLight "Sky"
 
 
 def usd(path):
+    """The same."""
     from pxr import Usd, UsdGeom, UsdLux, UsdValidation
     with tempfile.TemporaryDirectory() as folder:
         room, text = os.path.join(folder, "room.usda"), os.path.join(folder, "portals.usda")
@@ -117,7 +131,7 @@ def usd(path):
 
 def main(reader, glb, text):
     portals = portals_of(glb)
-    lights, wrong, said = {"mitsuba": mitsuba, "usd": usd}[reader](text)
+    lights, wrong, said = {"cycles": cycles, "mitsuba": mitsuba, "usd": usd}[reader](text)
     if sorted(lights) != sorted(portals):
         wrong.append(f"lights {sorted(lights)}, expected {sorted(portals)}")
     for name in sorted(set(lights) & set(portals)):
@@ -129,4 +143,4 @@ def main(reader, glb, text):
 
 
 if __name__ == "__main__":
-    sys.exit(main(*sys.argv[1:]))
+    sys.exit(main(*sys.argv[-3:]))

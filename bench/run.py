@@ -17,68 +17,34 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 BENCHMARKS = {  # name: (module, function, what it does)
-    "demo": ("figures", "demo", "a room without and with its portal in the same time, in demo/"),
-    "efficiency": ("efficiency", "efficiency", "error against time of every integrator, with aims: doc/efficiency.md "
-                   "(an hour and a half; BASELINE=PROGRAM BASELINE_NAME=WORDS: over that older one's)"),
-    "efficiency-references": ("efficiency", "references", "its references that are missing or out of date, in "
-                              "testdata/references/efficiency"),
-    "speed": ("speed", "integrators", "noise after a minute, beside Tungsten's: in doc/efficiency.md (20 minutes)"),
-    "whole-light": ("price", "whole_light", "what the light beyond six edges costs: in doc/efficiency.md (half an "
-                    "hour; BASE=PROGRAM: beside an older one)"),
-    "figures": ("figures", "figures", "the paper's Figs 5 to 7 from our renders: doc/figures.md"),
-    "stages": ("figures", "stages", "pictures of what each stage did: in doc/figures.md"),
-    "thumbnails": ("figures", "thumbnails", "the small pictures of README.md, cut from those of figures and stages"),
-    "portals": ("portals", "portals", "how right the portals are in rooms with known openings: doc/portals.md (an "
-                "hour)"),
-    "houses": ("houses", "houses", "how right portals are in real buildings, and what they are worth: in doc/portals.md "
-               "(two hours; WORTH=0: half an hour)"),
-    "cameras": ("houses", "cameras", "portals of real buildings found for all cameras together: in doc/portals.md (half an "
-                "hour)"),
-    "portals-time": ("portals", "portals_time", "how long finding the portals takes, beside a rendering"),
+    "demo": ("demo", "demo", "a room without its portals, with them, and filtered, in the same time: in demo/"),
+    "before-after": ("figures", "before_after", "the README's picture, and the numbers of its caption (eight minutes)"),
+    "efficiency": ("efficiency", "efficiency", "error against time of every integrator: doc/efficiency.md (an hour and a "
+                   "half; BASELINE=PROGRAM BASELINE_NAME=WORDS: over that older one's)"),
+    "efficiency-references": ("efficiency", "references", "its references that are missing or out of date"),
+    "quality": ("cost", "quality", "what --quality draft, normal and high are worth: in doc/efficiency.md (ten minutes)"),
+    "figures": ("figures", "figures", "the paper's Figs 5 to 7 from our renders: in doc/efficiency.md (five minutes)"),
+    "portals": ("portals", "portals", "how right portals are in rooms with known openings: doc/portals.md (an hour)"),
+    "houses": ("portals", "houses", "the same in real buildings, and what portals are worth there: in doc/portals.md (two "
+               "hours; WORTH=0: half an hour)"),
+    "cameras": ("portals", "cameras", "portals found for all cameras together: in doc/portals.md (half an hour)"),
+    "stages": ("figures", "stages", "pictures of what each stage did: in doc/portals.md"),
     "regret": ("promises", "regret", "what auto loses, and how right it is about portals: doc/regret.md (25 minutes)"),
     "target-error": ("promises", "target_error", "whether pictures have the error that was asked for: in doc/regret.md "
                      "(ten minutes)"),
-    "sky": ("sky", "sky", "what the windows found are worth under skies: doc/sky.md (a quarter of an hour)"),
-    "before-after": ("figures", "before_after", "the README's picture of a room behind a door ajar, and its caption (eight "
-                     "minutes)"),
-    "panes": ("sky", "panes", "one portal for a window of six panes, or several: prints a table (ten minutes)"),
-    "cycles": ("cycles", "compare", "whether Cycles and tdpt-render agree in the mean: prints tables for "
-               "doc/cycles.md"),
-    "cycles-sky": ("cycles", "compare_skies", "the same where an environment lights a room"),
-    "cycles-equal": ("cycles", "equal_time", "what portals found and drawn by hand are worth to Cycles, in equal CPU "
-                     "time: in doc/cycles.md (half an hour)"),
-    "cycles-doors": ("cycles", "doors", "rooms behind holes and doors beside Cycles and bdpt: in doc/cycles.md (a quarter "
-                     "of an hour)"),
     "denoise": ("denoise", "denoise", "what the filter is worth, and what it costs: doc/denoise.md (two hours)"),
-    "denoise-frames": ("denoise", "denoise_frames", "what frames before and after are worth to the filter: in doc/denoise.md "
-                       "(half an hour)"),
-    "denoise-pictures": ("denoise", "denoise_pictures", "hard places before and after the filter: in doc/denoise.md (half "
-                         "an hour)"),
-    "denoise-harm": ("denoise", "denoise_harm", "whether the filter makes anything worse: in doc/denoise.md (an hour)"),
-    "peers": ("peers", "peers", "rooms of real buildings beside Cycles, LuxCore and Mitsuba, by `make peers`: doc/peers.md "
-              "(half an hour)"),
-    "tradeoff": ("tradeoff_page", "tradeoff", "speed against accuracy of every option: doc/tradeoff.md (a night; "
-                 "--quick: three quarters of an hour)"),
-    "options": ("price", "option_costs", "what options cost: in doc/limit.md (half an hour)"),
-    "scale": ("price", "scale", "time and memory against triangles: in doc/limit.md (a quarter of an hour, 5 GiB)"),
-    "shards": ("price", "shards", "what it costs to render in shards: in doc/farm.md (a quarter of an hour)"),
-    "limit": ("speed", "limit", "how far rendering is from casting its rays and nothing else: doc/limit.md (4 "
-              "minutes)"),
-    "grid-speed": ("speed", "grid", "segments per second of lightgrid on each device: in doc/gpu.md (a minute)"),
-    "gpu-speed": ("speed", "device", "samples per second on a device, registers of its kernels: in doc/gpu.md (ten "
-                  "minutes; DEVICE=gpu:WHICH)"),
-    "public-files": ("public_files", "public_files", "what becomes of every glTF file below a folder: prints the table "
-                     "of doc/scenes.md"),
-    "imported": ("imported", "imported", "scenes of Mitsuba, pbrt and Tungsten beside Mitsuba's own pictures, by `make peers`: "
-                 "prints the table of doc/scenes.md (FOLDER=FOLDER; half an hour)"),
+    "denoise-frames": ("denoise", "denoise_frames", "what frames before and after are worth to it (half an hour)"),
+    "denoise-pictures": ("denoise", "denoise_pictures", "hard places before and after the filter (half an hour)"),
+    "sky": ("sky", "sky", "what the windows found are worth under skies: doc/sky.md (a quarter of an hour)"),
+    "limit": ("speed", "limit", "how far rendering is from casting its rays and nothing else: doc/limit.md (4 minutes)"),
+    "gpu-speed": ("speed", "device", "samples per second on a device: in doc/limit.md (ten minutes; DEVICE=gpu:WHICH)"),
+    "scale": ("cost", "scale", "time and memory against triangles: in doc/limit.md (a quarter of an hour, 5 GiB)"),
+    "peers": ("peers", "peers", "beside Cycles, LuxCore and Mitsuba, by `make peers`: doc/peers.md (an hour)"),
     "paper-scenes": ("paper_scenes", "paper_scenes", "the paper's scenes out of Bitterli's archives for Mitsuba, edited and "
                      "imported (FOLDER=FOLDER OUT=FOLDER)"),
-    "work-model": ("promises", "work_model", "fits the tables of tools/tdpt-render/plan/work_model.h"),
-    "rooms": ("rooms", "write_all_rooms", "made-up rooms for an environment, in a folder"),
-    "many-triangles": ("rooms", "write_many_triangles", "two rooms of so many triangles, in a file"),
-    "sky-map": ("rooms", "write_sky_map", "a clear sky as an environment map"),
-    "shots": ("shots", "shots", "shots: what their portals are worth and cost, and their flicker: doc/shots.md (a quarter of an hour)"),
-    "shot-files": ("shots", "write_shots", "the two shots, walk.glb and door.glb, in a folder"),
+    "public-files": ("public_files", "public_files", "what becomes of every glTF file below a folder: prints the table "
+                     "of doc/scenes.md"),
+    "work-model": ("work_model", "work_model", "fits the tables of tools/tdpt-render/plan/work_model.h"),
 }
 LISTING = "\n".join(f"  {name:{max(map(len, BENCHMARKS))}}  {words}" for name, (_, _, words) in BENCHMARKS.items())
 

@@ -1,22 +1,21 @@
-"""What portals are worth where a sky shines in through windows: doc/sky.md, and a window of six
-panes."""
+"""What portals are worth where a sky shines in through windows: doc/sky.md."""
 import functools
-import itertools
 import math
 import re
 import shutil
-from collections import Counter, defaultdict, namedtuple
+from collections import defaultdict, namedtuple
 from pathlib import Path
 
 import numpy as np
 
 import pages
-import rooms
 import stats
-from common import SKIES, STAGES, Setting, Stop, checked, decibels_of, environment, settings, turns
+from common import STAGES, TESTDATA, Setting, Stop, checked, decibels_of, settings, turns
 from pages import hundredths
 
 SEED = 20260717
+MAPS = TESTDATA / "environments"
+SKIES = {"overcast": "1,1,1", "clear": MAPS / "clear.exr", "sun": MAPS / "clear-sun.exr"}
 WITHOUT = ("bdpt", "nee")
 WITH = {"windows": "`nee` + portals", "aimed": "`nee` 0.4", "guided": "`tdpt-guided`", "auto": "`auto`"}
 GUIDED = ("--integrator", "tdpt-guided")
@@ -60,10 +59,6 @@ class Cell:
         return relmse, decibels_of(self.peak**2, mse)
 
 
-def black_words(cell):
-    return f"{cell.black['relmse']:.2g}, {cell.black['psnr']:.1f}"
-
-
 def geometric_mean(cells, method):
     """Of the gains that are known, its interval over seeds; the rooms are what they are."""
     return stats.geometric([(cell.costs(cell.base()), cell.costs(method)) for cell in cells
@@ -75,28 +70,6 @@ def select(cells, group, sky=None):
     return [c for (_, s), c in cells.items() if c.group == group and sky in (None, s)]
 
 
-def aim_table(cells):
-    rows = []
-
-    def aim(words, wanted, value, shown):
-        if not math.isnan(value):
-            rows.append([f"{words}: {wanted}", shown, "yes" if value >= wanted else "**no**"])
-
-    for words, wanted, *which in (("ordinary windows, geometric mean", 5, "windows"),
-                                  ("the same under overcast", 1.5, "windows", "overcast"),
-                                  ("through a second room, geometric mean", 20, "second")):
-        mean = geometric_mean(select(cells, *which), "auto")
-        aim(words, wanted, mean.value, mean.text(hundredths))
-    gains = {key: {m: cell.gain(m).value for m in WITH} for key, cell in cells.items()}
-    for words, others in (("the least gain", ()), ("the least beside the best single choice", set(WITH) - {"auto"})):
-        values = {key: of["auto"] / max(1, *(of[m] for m in others), 1) for key, of in gains.items()}
-        known = {key: v for key, v in values.items() if not math.isnan(v)}
-        room, sky = min(known, key=known.get)
-        low, below = known[room, sky], sum(v < 0.95 for v in known.values())
-        aim(words, 0.95, low, f"{low:.2f} ({room}, {sky}); below 0.95 in {below} of {len(cells)}")
-    return pages.table(("target, for `auto`", "measured", "met"), rows)
-
-
 def sky_parts(cells):
     groups = [(words, sky, select(cells, group, sky)) for group, words in GROUPS.items()
               for sky in (*dict.fromkeys(sky for _, sky in cells), None)]
@@ -104,7 +77,6 @@ def sky_parts(cells):
         "gains": pages.table(("lit through", "sky", "rooms", *WITH.values()),
                              [[words, sky or "**all**", len(of), *(geometric_mean(of, m).text(hundredths) for m in WITH)]
                               for words, sky, of in groups if of]),
-        "aims": aim_table(cells),
         "rooms": pages.table(("room", "sky", "portals", "without", *WITH.values()), [
             [*key, c.portals or "none found", c.base(), *(c.gain(m).text(hundredths) for m in WITH)]
             for key, c in cells.items()])}
@@ -132,7 +104,7 @@ def generated(bench, name, kind, number):
 
 
 @settings(ROOMS=Setting(tuple(ROOMS), "names of the rooms to measure"),
-          SKIES=Setting(SKIES, "of: overcast clear sun (sun: an interior has its own map instead)"),
+          SKIES=Setting(tuple(SKIES), "of: overcast clear sun (sun: an interior has its own map instead)"),
           SPP=Setting(32, "samples per pixel", 4), SEEDS=Setting(4, "pictures of each kind", 2),
           REF_SPP=Setting(96, "samples per pixel of each half of a reference", 16),
           REF_INTEGRATOR=Setting("auto", "of the references, with the portals found"),
@@ -144,19 +116,21 @@ def sky(bench):
     turns, one thread each; efficiency 1 / (relMSE x CPU s) over the better of the two without. A quarter of an hour."""
     s, places, interiors = bench.settings, [], Path(bench.settings.scenes) / "interiors"
     for name in s.rooms:
-        if name not in ROOMS:
-            raise Stop(2, f"ROOMS: there is no {name}")
+        if name not in ROOMS or set(s.skies) - set(SKIES):
+            raise Stop(2, f"there is no room {name}, or one of {s.skies} is none of {', '.join(SKIES)}")
         group, kind, number = ROOMS[name]
         scene = generated(bench, name, kind, number) if kind else bench.find(name)
         if scene:
-            places += [(name, light, group, scene) for light in s.skies]
+            own = interiors / f"{name}.env.exr"
+            places += [(name, light, group, scene, own if light == "sun" and own.exists() else SKIES[light])
+                       for light in s.skies]
         else:
             bench.say(f"there is no {interiors}/{name}.glb: left out")
     if not places:
         raise Stop(3, "none of the rooms is there")
 
-    def cell(name, light, group, scene):
-        shines = ("--environment", environment(light, interiors / f"{name}.env.exr"))
+    def cell(name, light, group, scene, environment):
+        shines = ("--environment", environment)
         portals = bench.portals(scene, shines, threads=1)
         portal, width = ("--portal", portals.file), s.width * 4 // 3 if group == "interiors" else s.width
 
@@ -173,31 +147,4 @@ def sky(bench):
         return made
 
     cells = bench.side_by_side([functools.partial(cell, *place) for place in places])
-    bench.page("sky", sky_parts({(name, light): c for (name, light, _, _), c in zip(places, cells)}))
-
-
-@settings(BARS=Setting(("4", "20"), "widths of the bars [cm]"), SKIES=Setting(SKIES, "of: overcast clear sun"),
-          SPP=Setting(24, "samples per pixel", 2), SEEDS=Setting(4, "pictures of each kind", 2),
-          REF_SPP=Setting(96, "samples per pixel of each half of a reference", 8),
-          WIDTH=Setting(96, "of the pictures", 24), HEIGHT=Setting(72, "", 18))
-def panes(bench):
-    """Is a window of six panes better rendered with one portal, one a column of panes or one a pane? A room with bars
-    of 4 cm and of 20 cm under three skies, by each way to use a portal; equally many samples, one thread, runs taking
-    turns. Prints how many times as efficient, 1 / (relMSE x CPU s), three and six portals are as one. Ten minutes."""
-    s, rows = bench.settings, []
-    rooms.write_paned_rooms(bench.cache)
-    ways = {"nee": OPTIONS["nee"], "tdpt-guided": GUIDED, "auto": ()}
-    for bar, light in itertools.product(s.bars, s.skies):
-        def render(portals, options, spp, seed, room=f"panes-{bar}", light=light):
-            return bench.render(bench.cache / f"{room}.glb", "--environment", environment(light),
-                                "--environment-rotation", -45, "--portal", bench.cache / f"{room}-{portals}.glb",
-                                "--width", s.width, "--height", s.height, *options, "--spp", spp, "--seed", seed)
-        halves = bench.halves(lambda seed, render=render: render("one", GUIDED, s.ref_spp, seed))
-        cost = Counter()
-        for seed, (way, options), portals in itertools.product(range(1, s.seeds + 1), ways.items(),
-                                                               ("one", "three", "six")):
-            run = render(portals, options, s.spp, seed)
-            cost[way, portals] += run.said["cpu_seconds"] * halves.off(run.out)["relmse"]
-        rows += [[f"{bar} cm", light, portals, *("%.2f" % (cost[way, "one"] / cost[way, portals]) for way in ways)]
-                 for portals in ("three", "six")]
-    print(pages.table(("bars", "sky", "portals", *(f"`{way}`" for way in ways)), rows))
+    bench.page("sky", sky_parts({(name, light): c for (name, light, *_), c in zip(places, cells)}))

@@ -74,13 +74,6 @@ class Ratio:
             return form(self.value)
         return f"{form(self.value)} [{form(self.low)}, {unbounded if self.high >= NO_BOUND else form(self.high)}]"
 
-    def percent(self):
-        return Ratio(100 * self.value, 100 * self.low, 100 * self.high)
-
-    def bounded(self):
-        """Without the interval where that has no end, or begins at 0."""
-        return self if self.low > 0 and self.high < NO_BOUND else Ratio(self.value)
-
 
 def interval(pairs, rng, tail=None):
     """Ends of the 95 % interval of the geometric mean of mean(above) / mean(below) by bootstrap, pairs: of (above,

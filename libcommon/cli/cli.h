@@ -15,7 +15,7 @@
 namespace tdpt::cli {
 
 /// --quality: which of three settings of all knobs that trade speed for accuracy, along the Pareto
-/// front of doc/tradeoff.md.
+/// front of doc/efficiency.md.
 enum class Quality { draft, normal, high };
 
 /// Value of a knob at each quality, used if its own option is not given.

@@ -1,5 +1,5 @@
 // --quality draft|normal|high: in each program with such knobs, every step is more accurate and
-// takes more work. Work is counted, not timed: doc/tradeoff.md has the seconds.
+// takes more work. Work is counted, not timed: doc/efficiency.md has the seconds.
 #include <array>
 #include <cmath>
 #include <cstdlib>

@@ -33,7 +33,7 @@ constexpr cli::Program kProgram{"ffgraph",
                                 cli::kCommit,
                                 cli::kSeed | cli::kThreads | cli::kQuiet};
 
-// Between which of them curves tell, doc/tradeoff.md.
+// What they are worth, doc/efficiency.md.
 constexpr cli::ByQuality<int64_t> kSamples{75000, 300000, 1200000}, kWalks{25000, 100000, 400000};
 
 struct Arguments {

@@ -30,7 +30,7 @@ constexpr cli::Program kProgram{
     cli::kLibraries,
     cli::kCommit};
 
-// Between which of them curves tell, doc/tradeoff.md.
+// What they are worth, doc/efficiency.md.
 constexpr cli::ByQuality<int64_t> kResolution{64, 128, 256}, kLines{2048, 8192, 16384};
 
 constexpr double kBesideBox = 0.1;  // of its longest side

@@ -113,7 +113,7 @@ namespace {
 // ---- Texts ----
 
 // Least share of a portal's lines that comes from the sky past no other portal: windows have 0.2 to
-// 1, doors within a building less than 0.04 (doc/cycles.md).
+// 1, doors within a building less than 0.04.
 constexpr double kOfTheSky = 0.1;
 
 // Templates of fmt.
@@ -126,7 +126,7 @@ struct Renderer {
 
 constexpr Renderer kRenderers[] = {
     // An area lamp with Portal set guides the sampling of the world's light. It helps points on the
-    // side of its -Z, to which it would shine. bench/cycles_blender.py has Blender run the text.
+    // side of its -Z, to which it would shine. bench/readers.py has Blender run the text.
     //   https://docs.blender.org/manual/en/latest/render/cycles/light_settings.html
     {"cycles", "# {}\n",
      R"({remarks}# Cycles: an area lamp for each window, set to be a portal of the world's light. For the scene as Blender imports it
@@ -162,7 +162,7 @@ for name, width, height, matrix in PORTALS:
     // p1 - p0) as the way out. Such a light shines through its portal only, so each window has its
     // own. Light through two portals would count twice: only portals that the sky's light meets
     // first become lights, without overlaps. The sides of an opening outside the portal get no
-    // light. Rendered by hand with pbrt-v4 of June 2026 (doc/cycles.md).
+    // light. Rendered by hand with pbrt-v4 of June 2026 (doc/peers.md).
     //   https://pbrt.org/fileformat-v4#lights
     {"pbrt", "# {}\n",
      R"({remarks}# pbrt-v4: Include this in the scene's world, in place of its infinite light. A light with a portal shines through it

@@ -1,6 +1,6 @@
 // How many samples a device renders beside the CPU, what it spends its time on, and what that
-// moves. Prints tables in Markdown, and progress on stderr; bench/run.py gpu-speed makes
-// doc/gpu.md of them.
+// moves. Prints tables in Markdown, and progress on stderr; bench/run.py gpu-speed puts
+// them into doc/limit.md.
 #include <algorithm>
 #include <chrono>
 #include <cstdio>

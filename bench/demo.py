@@ -1,0 +1,67 @@
+"""`make demo`: a furnished room whose light comes past a door ajar, in the same time without its portals, with them, and
+filtered."""
+import os
+import subprocess
+from pathlib import Path
+
+import formats
+import numpy as np
+import pages
+from common import ROOT, TESTDATA, Setting, settings
+
+ROOM = TESTDATA / "scenes/furnished.glb"
+NAMES = {"without": "without portals", "portals": "with portals", "filtered": "and filtered"}
+GAP = 8  # pixels between panels
+
+
+def sentence(seconds, off):
+    """What the pictures are worth, in words, by what exrdiff says of each."""
+    gain = off["without"]["relmse"] / off["portals"]["relmse"]
+    words = (f"After the same {seconds:g} seconds the error (relMSE) with portals is {gain:.1f} times smaller: without them "
+             f"it would take about {seconds * gain:.0f} seconds." if gain > 1 else "Portals are not worth it here.")
+    return f"{words} Filtered, it is {off['without']['relmse'] / off['filtered']['relmse']:.0f} times smaller."
+
+
+@settings(SCENE=Setting(str(ROOM), "a room that is lit from the next one"), WIDTH=Setting(480, "of a picture", 96),
+          SECONDS_EACH=Setting(20.0, "of a picture", 1.0))
+def demo(bench):
+    """Finds the portals of a room, renders it without them and with them in the same time, filters the latter, and leaves the
+    three side by side and a plan of the portals in CACHE. A second run shows what is there."""
+    s, out, scene = bench.settings, os.path.relpath(bench.cache), Path(bench.settings.scene).resolve()
+    os.chdir(bench.cache)
+
+    def run(made, *words):
+        """Shows a command as one would type it, then runs it, unless what it makes is there."""
+        print("  $", " ".join(map(str, words)).replace(f"{ROOT}/", "").replace(str(scene), scene.name), flush=True)
+        program = bench.store.program(words[0])
+        kept = bench.store.keep([bench.store.sum_of(program), bench.store.sum_of(scene), *words], lambda path: path.write_text(""))
+        if Path(made).exists() and kept.exists() and kept.stat().st_size:
+            return
+        if status := subprocess.run([program, *map(str, words[1:])], check=False).returncode:
+            raise SystemExit(status)
+        kept.write_text("done")
+
+    print(f"Finding the portals of {scene.name}")
+    run("room.max", "ffgraph", scene, "-o", "room.max", "--quiet")
+    run("room.cut", "mincut", "room.max", "-o", "room.cut", "--quiet")
+    run("room.vdb", "lightgrid", scene, "room.cut", "-o", "room.vdb", "--quiet")
+    run("room.portal.glb", "portalfit", "room.vdb", "-o", "room.portal.glb", "--preview", "plan.png")
+    print(f"\nRendering for {s.seconds_each:g} seconds without portals, then with them")
+    render = ("--time", f"{s.seconds_each:g}", "--width", s.width, "--aov", "halves,albedo,normal,depth")
+    run("without.exr", "tdpt-render", scene, *render, "-o", "without.exr")
+    run("portals.exr", "tdpt-render", scene, "--portal", "room.portal.glb", *render, "-o", "portals.exr")
+    run("filtered.exr", "exrdenoise", "portals.exr", "-o", "filtered.exr")
+
+    pictures = [formats.exr_read(f"{name}.exr") for name in NAMES]
+    gap = np.ones((len(pictures[0]), GAP, 3))
+    formats.exr_write("panels.exr", np.hstack([pictures[0], gap, pictures[1], gap, pictures[2]]))
+    run("demo.png", "exrmerge", "panels.exr", "-o", "demo.png", "--quiet")
+    reference = TESTDATA / f"references/{ROOM.stem}.exr"
+    if scene == ROOM and pictures[0].shape == formats.exr_read(reference).shape:
+        off = {name: bench.fresh("exrdiff", f"{name}.exr", reference).said for name in NAMES}
+        print(f"\n  {'':17} {'relMSE':>8} {'PSNR [dB]':>10}")
+        for name, words in NAMES.items():
+            print(f"  {words:17} {pages.three(off[name]['relmse']):>8} {off[name]['psnr']:10.1f}")
+        black = off["portals"]["black"]
+        print(f"  {'a black picture':17} {pages.three(black['relmse']):>8} {black['psnr']:10.1f}\n\n{sentence(s.seconds_each, off)}")
+    print(f"\n{out}/demo.png shows the three side by side, {out}/plan.png the portals.")
