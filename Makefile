@@ -35,8 +35,8 @@ JOBS ?= $(shell nproc 2>/dev/null || echo 2)
 TEST_STATUS ?=
 
 # All that is there to run; `make build` adds every test and benchmark.
-DEMO_PROGRAMS = ffgraph mincut lightgrid portalfit tdpt-render exrdiff
-PROGRAMS = $(DEMO_PROGRAMS) exrmerge exrdenoise tdpt-info tdpt-import tdpt
+DEMO_PROGRAMS = ffgraph mincut lightgrid portalfit tdpt-render exrdiff exrmerge exrdenoise
+PROGRAMS = $(DEMO_PROGRAMS) tdpt-info tdpt-import tdpt
 
 .PHONY: all help build programs demo figures stages bench peers test test-long test-slurm test-report install uninstall tarball tarball-test package package-test sanitize fuzz packages format clean
 all: build
@@ -87,8 +87,8 @@ test-report: programs
 	@python3 -B tools/tdpt/report_browser_test.py build/report/screenshots build/report/*.report.html
 
 demo:
-	@echo "make demo: ends on the picture demo/before-after.png; first installs the packages that are missing and compiles" \
-	  "six programs"
+	@echo "make demo: ends on the picture demo/demo.png; first installs the packages that are missing and compiles" \
+	  "$(words $(DEMO_PROGRAMS)) programs"
 	@$(MAKE) --no-print-directory programs PROGRAMS="$(DEMO_PROGRAMS)"
 	@python3 -B bench/run.py demo --cache demo
 

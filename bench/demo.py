@@ -33,13 +33,13 @@ def demo(bench):
     def run(made, *words):
         """Shows a command as one would type it, then runs it, unless what it makes is there."""
         print("  $", " ".join(map(str, words)).replace(f"{ROOT}/", "").replace(str(scene), scene.name), flush=True)
-        program = bench.store.program(words[0])
-        kept = bench.store.keep([bench.store.sum_of(program), bench.store.sum_of(scene), *words], lambda path: path.write_text(""))
-        if Path(made).exists() and kept.exists() and kept.stat().st_size:
+        program, done = bench.store.program(words[0]), Path(f".{made}.done")
+        stamp = "\n".join(map(str, (bench.store.sum_of(program), bench.store.sum_of(scene), *words)))
+        if Path(made).exists() and done.exists() and done.read_text() == stamp:
             return
         if status := subprocess.run([program, *map(str, words[1:])], check=False).returncode:
             raise SystemExit(status)
-        kept.write_text("done")
+        done.write_text(stamp)
 
     print(f"Finding the portals of {scene.name}")
     run("room.max", "ffgraph", scene, "-o", "room.max", "--quiet")

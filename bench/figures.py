@@ -6,7 +6,7 @@ from pathlib import Path
 from statistics import mean
 
 import pages
-from common import ROOT, SEEDED, STAGES, TESTDATA, Made, Setting, Stop, settings
+from common import ROOT, SEEDED, STAGES, Made, Setting, Stop, settings
 
 SCENES = ("cornell-box-portal", "veach-ajar", "veach-ajar-flip", "bathroom2", "bathroom2-channel")
 PICTURES = ("veach-ajar", "veach-ajar-flip")  # of which Fig 7 shows pictures
