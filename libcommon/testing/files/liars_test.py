@@ -23,7 +23,7 @@ READERS = {".exr": [["exrdiff", "{}", "{}"], ["exrmerge", "{}", "-o", "o"],
            ".hdr": [["tdpt-render", ROOM, *FEW, "--environment", "{}", "-o", "o.exr"]],
            ".glb": [["ffgraph", "{}", "--set", "walks=100", "--samples", "1000", "-o", "o.max"]],
            ".portal.glb": [["tdpt-render", ROOM, *FEW, "--portal", "{}", "-o", "o.exr"]],
-           ".max": [["mincut", "{}", "-o", "o.cut"], ["lightgrid", ROOM, "{}", "-o", "o.vdb"]],
+           ".max": [["mincut", "{}", "-o", "o.cut"]],
            ".vdb": [["portalfit", "{}", "-o", "o.glb"]],
            ".csv": [["portalfit", "{}", "-o", "o.glb"]]}
 
