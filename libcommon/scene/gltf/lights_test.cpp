@@ -76,8 +76,10 @@ TEST(PunctualLights, SpotsHaveCones) {
   const Scene s = scene_with(
       {{{"type", "spot"}},
        {{"type", "spot"}, {"spot", {{"innerConeAngle", pi / 6}, {"outerConeAngle", pi / 3}}}},
-       {{"type", "spot"}, {"spot", {{"outerConeAngle", 1.5707964}}}}},
+       {{"type", "spot"}, {"spot", {{"outerConeAngle", 1.5707964}}}},
+       {{"type", "spot"}, {"spot", {{"innerConeAngle", 0.5}, {"outerConeAngle", 0.5}}}}},
       {{"translation", {0, 0, 2}}});
+  ASSERT_EQ(s.lights.size(), 4u);
   EXPECT_EQ(s.lights[0].kind, Kind::spot);
   EXPECT_EQ(s.lights[0].intensity, Rgb(1));
   expect_near(s.lights[0].direction, {0, 0, -1});
@@ -86,21 +88,10 @@ TEST(PunctualLights, SpotsHaveCones) {
   EXPECT_NEAR(s.lights[1].cos_inner, std::sqrt(0.75), 1e-12);
   EXPECT_NEAR(s.lights[1].cos_outer, 0.5, 1e-12);
   EXPECT_GE(s.lights[2].cos_outer, 0);  // pi / 2 rounded up
-}
-
-// As Blender writes a spot without blend.
-TEST(PunctualLights, ASpotMayHaveASharpEdge) {
-  const Scene s =
-      scene_with({{{"type", "spot"}, {"spot", {{"innerConeAngle", 0.5}, {"outerConeAngle", 0.5}}}}},
-                 {{"translation", {0, 0, 2}}});
-  ASSERT_EQ(s.lights.size(), 1u);
-  const LightSource source = LightSource::punctual(s.lights[0], 1);
-  const auto at = [&](double angle) {
-    return source.emitted({}, {}, {std::sin(angle), 0, -std::cos(angle)}).x;
-  };
-  EXPECT_EQ(at(0), 1);
-  EXPECT_EQ(at(0.4999), 1);
-  EXPECT_EQ(at(0.5001), 0);
+  // A sharp edge, as Blender writes a spot without blend.
+  const LightSource source = LightSource::punctual(s.lights[3], 1);
+  for (const auto& [angle, light] : {std::pair(0.0, 1.0f), {0.4999, 1.0f}, {0.5001, 0.0f}})
+    EXPECT_EQ(source.emitted({}, {}, {std::sin(angle), 0, -std::cos(angle)}).x, light) << angle;
 }
 
 TEST(PunctualLights, UnitsGoByWhoWroteTheFile) {

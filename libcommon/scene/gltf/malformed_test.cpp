@@ -317,9 +317,8 @@ TEST(Malformed, NothingIsMissingFromTheSceneThatIsSpoilt) {
   EXPECT_EQ(scene.triangles.size(), 2u + 2 + 2 * 2 + 2 + 64);
 }
 
-/// A line for each message: the fields that are set, by pointer, and how the error begins. It
-/// begins with the place of the first field and what that is, where it is "expected ..." or ":
-/// ...".
+/// A line for each message: the fields that are set, by pointer, and how the error begins. One that
+/// begins with "expected", ":" or "," stands behind the place of the first field, and what that is.
 const char* const kFaults = R"(
 /asset/version = "1.0", /meshes = {} -> expected "2.0"
 /extensionsRequired/0 = "ACME" -> extensionsRequired: "ACME" is not supported
@@ -366,8 +365,8 @@ const char* const kFaults = R"(
 /nodes/0/children = [2] -> nodes[2]: is reached twice, from nodes[0] and nodes[3]
 /nodes/5/matrix/3 = 1 -> nodes[5].matrix: is not affine, expected a last row of 0 0 0 1
 /nodes/2/rotation = [0, 0, 0, 0] -> : is zero, expected a unit quaternion
-/nodes/5/matrix/0 = 1e200, /nodes/5/children = [0], /nodes/0/scale/0 = 1e200 -> nodes[0]: its transform
-/nodes/0/scale/0 = 1e300, /meshes/0/primitives/0/attributes/POSITION = 25 -> nodes[0]: its transform
+/nodes/5/matrix/0 = 1e200, /nodes/5/children = [0], /nodes/0/scale/0 = 1e200 -> nodes[0]: its transform and those
+/nodes/0/scale/0 = 1e300, /meshes/0/primitives/0/attributes/POSITION = 25 -> nodes[0]: its transform takes a vertex
 /nodes/4/extensions/EXT_mesh_gpu_instancing/attributes/SCALE = 19 -> : count is 1, expected 2 as of
 /nodes/4/extensions/EXT_mesh_gpu_instancing/attributes = {"ROTATION": 18} -> accessors[18]: rotation 0
 /nodes/4/extensions/EXT_mesh_gpu_instancing/attributes/ROTATION = 21 -> accessors[21].componentType:
@@ -386,7 +385,7 @@ const char* const kFaults = R"(
 /extensions/KHR_lights_punctual/lights/1/spot = {"innerConeAngle": 0.8} -> : has an inner cone of 0.8
 /extensions/KHR_lights_punctual/lights/1/spot = {"outerConeAngle": 1.6} -> : has an inner cone of 0 and
 /extensions/EXT_lights_area/lights/1/intensity = 1e31 -> extensions.EXT_lights_area.lights[1]: has an
-/extensions/EXT_lights_area/lights/1/size = 1e300, /nodes/7/scale = [1e100, 1, 1] -> nodes[7]: its
+/extensions/EXT_lights_area/lights/1/size = 1e300, /nodes/7/scale = [1e100, 1, 1] -> nodes[7]: its transform takes an area
 /extensions/EXT_lights_ies/lights/0 = {} -> extensions.EXT_lights_ies.lights[0].uri: is missing, a
 /extensions/EXT_lights_ies/lights/0 = {"uri": "data:;base64,AAAA"} -> , line 1: is no IES file: no line
 /nodes/8/extensions/EXT_lights_ies/multiplier = 1e308 -> nodes[8]: has an intensity of inf, expected
@@ -472,9 +471,9 @@ TEST(Malformed, EveryFileIsRefusedWithItsPlaceAndMessage) {
                 "/bufferViews/0/extensions/EXT_meshopt_compression");
 }
 
-/// Some bytes of a compressed square set, from `at` on.
+/// With one byte of a compressed square replaced by others.
 std::string refusal_with(GlbBuilder b, size_t at, const std::string& bytes) {
-  b.bin.replace(at, bytes.size() > 1 ? 1 : bytes.size(), bytes);
+  b.bin.replace(at, 1, bytes);
   return refusal(b.glb());
 }
 

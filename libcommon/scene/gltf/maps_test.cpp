@@ -117,49 +117,26 @@ TEST(Maps, SamplersSayHowTheyAreWrapped) {
           .nearest);
 }
 
-TEST(Maps, OnlyTheCoordinatesThatTheyLookUpAreKept) {
-  const Scene s = scene_with({textured({{"index", 0}, {"texCoord", 1}})}, with(kTwo));
-  EXPECT_TRUE(s.uv[0].empty());
-  ASSERT_EQ(s.uv[1].size(), 3u);
-  EXPECT_EQ(s.uv[1][1], (std::array<float, 2>{1, 0}));
-}
-
 TEST(Maps, TransformsScaleThenTurnThenMove) {
   const double pi = std::acos(-1.0);
-  const auto transform = [&](const Json& t) {
-    return material(textured({{"index", 0}, {"extensions", {{"KHR_texture_transform", t}}}}),
-                    with(kTwo))
-        .maps[MAP_BASE]
-        .transform;
+  const auto expect = [&](const Json& t, const std::array<float, 6>& transform) {
+    const Json info = {{"index", 0}, {"extensions", {{"KHR_texture_transform", t}}}};
+    const TextureMap map = material(textured(info), with(kTwo)).maps[MAP_BASE];
+    for (size_t k = 0; k < 6; ++k) EXPECT_NEAR(map.transform[k], transform[k], 1e-6) << k;
+    EXPECT_EQ(map.uv_set, t.value("texCoord", 0));
   };
-  const auto expect = [](const std::array<float, 6>& a, const std::array<float, 6>& b) {
-    for (size_t k = 0; k < 6; ++k) EXPECT_NEAR(a[k], b[k], 1e-6) << k;
-  };
-  expect(transform({{"offset", {0.25, -3}}, {"scale", {2, 5}}}), {2, 0, 0.25f, 0, 5, -3});
+  expect({{"offset", {0.25, -3}}, {"scale", {2, 5}}, {"texCoord", 1}}, {2, 0, 0.25f, 0, 5, -3});
   // The lower left quarter of the image, rotated clockwise by a right angle: the specification's
   // own example. (0,0) -> (0,1), (1,0) -> (0,0.5), (0,1) -> (0.5,1).
-  expect(transform({{"offset", {0, 1}}, {"rotation", pi / 2}, {"scale", {0.5, 0.5}}}),
+  expect({{"offset", {0, 1}}, {"rotation", pi / 2}, {"scale", {0.5, 0.5}}},
          {0, 0.5f, 0, -0.5f, 0, 1});
   // Non-uniform scale shows the order: u is scaled before it becomes v.
-  expect(transform({{"rotation", pi / 2}, {"scale", {2, 5}}}), {0, 5, 0, -2, 0, 0});
-  EXPECT_EQ(material(textured({{"index", 0},
-                               {"extensions", {{"KHR_texture_transform", {{"texCoord", 1}}}}}}),
-                     with(kTwo))
-                .maps[MAP_BASE]
-                .uv_set,
-            1);
+  expect({{"rotation", pi / 2}, {"scale", {2, 5}}}, {0, 5, 0, -2, 0, 0});
 }
 
 TEST(Maps, ThoseThatChangeNothingAreNotRead) {
-  const Json broken = {{"index", 0}};
   Json m = lambert(0, 0, 0);  // black, diffuse
-  m["pbrMetallicRoughness"]["baseColorTexture"] = broken;
-  m["pbrMetallicRoughness"]["metallicRoughnessTexture"] = broken;
-  m["emissiveTexture"] = broken;
-  m["normalTexture"] = broken;
-  m["extensions"]["KHR_materials_specular"]["specularTexture"] = broken;
-  m["extensions"]["KHR_materials_specular"]["specularColorTexture"] = broken;
-  m["extensions"]["KHR_materials_transmission"]["transmissionTexture"] = broken;
+  for (const NamedMap& map : kMaps) m[Json::json_pointer(map.at)] = {{"index", 0}};
   const Scene s = scene_with({m}, with("no image"));
   EXPECT_EQ(s.warnings, Sentences{});
   EXPECT_TRUE(s.materials[0].plain);
@@ -179,23 +156,24 @@ TEST(Maps, AFlatNormalMapIsNone) {
   EXPECT_FALSE(material(m, with(png_of(1, 1, "\x90\x80\xff\xff"))).maps[MAP_NORMAL]);
 }
 
-TEST(Images, AreKeptOnceHoweverManyUseThem) {
-  const Scene s =
-      scene_with({textured({{"index", 0}}), textured({{"index", 0}, {"texCoord", 1}})}, with(kTwo));
+TEST(Images, AndCoordinatesAreKeptOnceAndOnlyWhereTheyAreLookedUp) {
+  GlbBuilder b = with(kTwo);
+  b.texture("no image");
+  b.material(textured({{"index", 1}}));  // that nothing uses
+  const Json of_one = textured({{"index", 0}, {"texCoord", 1}});
+  const Scene s = scene_with({of_one, of_one}, b);
   ASSERT_EQ(s.images.size(), 1u);
   EXPECT_EQ(s.images[0].width, 2);
   EXPECT_EQ(s.images[0].height, 1);
   EXPECT_EQ(std::string(s.images[0].texels.begin(), s.images[0].texels.end()), kTwoTexels);
-  EXPECT_EQ(s.materials[0].maps[MAP_BASE].image, 0);
   EXPECT_EQ(s.materials[1].maps[MAP_BASE].image, 0);
-  EXPECT_FALSE(s.materials[0].plain);
+  EXPECT_EQ(s.materials[2].maps[MAP_BASE].image, 0);
+  EXPECT_FALSE(s.materials[1].plain);
+  EXPECT_TRUE(s.uv[0].empty());
+  ASSERT_EQ(s.uv[1].size(), 6u);
+  EXPECT_EQ(s.uv[1][1], (std::array<float, 2>{1, 0}));
   EXPECT_EQ(needs_of(s), Sentences{"textures"});
-}
-
-TEST(Images, OfMaterialsThatNothingUsesAreNotRead) {
-  GlbBuilder b = with("no image");
-  b.material(textured({{"index", 0}}));
-  EXPECT_EQ(scene_with({lambert(1, 1, 1)}, b).warnings, Sentences{});
+  EXPECT_EQ(s.warnings, Sentences{});
 }
 
 TEST(Images, SixteenBitsBecomeEight) {

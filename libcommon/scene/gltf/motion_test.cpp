@@ -9,7 +9,8 @@
 
 namespace tdpt::testing::motion_test {
 
-const std::vector<float> kWeights = {1,     0,     0, 0, 0, 1,     0, 0,
+// They need not add up to 1.
+const std::vector<float> kWeights = {1,     0,     0, 0, 0, 0.5f,  0, 0,
                                      0.25f, 0.75f, 0, 0, 0, 0.25f, 0, 0.75f};
 const std::vector<uint8_t> kJoints = {0, 1, 1, 1, 0, 1, 7, 7, 0, 1, 0, 0, 0, 0, 0, 1};
 
