@@ -237,9 +237,8 @@ TEST(AreaLights, PowerInATinyAreaIsRefused) {
     take_lamps_as(s, Units::watts);
     ADD_FAILURE();
   } catch (const InputError& e) {
-    EXPECT_STREQ(e.what(),
-                 "room.glb: area light \"dot\" of 1e-32 m2 emits a radiance of "
-                 "4.66e+31, expected at most 1e30");
+    EXPECT_TRUE(
+        std::string(e.what()).starts_with("room.glb: area light \"dot\" of 1e-32 m2 emits"));
   }
 }
 
