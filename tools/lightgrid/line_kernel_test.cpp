@@ -40,6 +40,22 @@ shader::LightParameters parameters_of(const LineTables& tables) {
   return p;
 }
 
+// Two triangles in one place, and a cut with these patches, one on each side.
+Scene two_triangles() {
+  Scene scene;
+  scene.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  scene.triangles = {{{0, 1, 2}, 0}, {{0, 1, 2}, 0}};
+  return scene;
+}
+LineTables tables_of(const Patch& light, const Patch& camera, const PatchGrid& grid) {
+  CutFile cut;
+  cut.grid = grid;
+  cut.patches = {light, camera};
+  cut.sides = {0, 1};
+  cut.cuts.resize(1);
+  return make_line_tables(two_triangles(), cut, "a.cut");
+}
+
 // A scene without rays.
 struct NoRays {
   bool segment_blocked(const Vec3f&, const Vec3f&, uint32_t) const { return false; }
@@ -128,7 +144,7 @@ class AskedTracer : public LineTracer {
 };
 
 TEST(LineTracer, asks_for_random_numbers_of_its_own_for_each_cut_and_pass) {
-  const Scene scene = read_gltf(TDPT_TESTDATA "/scenes/two-rooms.glb");
+  const Scene scene = two_triangles();
   const uint64_t seed = 0x1234'5678'9abc'def0;
   LineTables tables;
   for (uint32_t k = 0; k < kMostCuts; ++k) tables.cuts.push_back({k, 7 + k, {}});
@@ -157,28 +173,6 @@ TEST(LineTracer, asks_for_random_numbers_of_its_own_for_each_cut_and_pass) {
   }
   std::sort(streams.begin(), streams.end());
   EXPECT_EQ(std::unique(streams.begin(), streams.end()), streams.end());
-}
-
-// Everything that distinguishes lines distinguishes their coins, so that different lines hit
-// different surfaces.
-TEST(LineKernel, coins_are_of_one_line_only) {
-  const LineTables tables;
-  VoxelSums sums(1);
-  const NoRays none;
-  std::vector<uint32_t> coins;
-  for (int i = 0; i < 7; ++i) {
-    shader::LightParameters p{};
-    p.first_sky_face = UINT32_MAX;
-    p.seed = shader::word64_of(i == 2, i == 1);
-    p.stream = i == 3;
-    p.round = i == 4;
-    shader::LineKernel<NoRays> kernel(none, tables, p, sums);
-    coins.push_back(kernel.coin_of_line(i == 5));
-  }
-  EXPECT_EQ(coins[0], coins[6]);
-  coins.pop_back();
-  std::sort(coins.begin(), coins.end());
-  EXPECT_EQ(std::unique(coins.begin(), coins.end()), coins.end());
 }
 
 // p-value of the end faces of lines of the second of two cuts, against capacities and areas;
@@ -222,7 +216,7 @@ double p_of_faces(double wrong) {
   VoxelSums sums(1);
   const NoRays none;
   shader::LineKernel<NoRays> kernel(none, tables, p, sums);
-  return chi_square_of_samples(100000, probability,
+  return chi_square_of_samples(20000, probability,
                                [&](uint64_t i) {
                                  const auto line = kernel.draw_line(static_cast<uint32_t>(i));
                                  return size_t{8} * line.light_face + line.camera_face;
@@ -312,29 +306,24 @@ struct Ballots {
   }
 };
 
-// Whether the ends of a line win their votes; also returns the coins of the rays.
+// Whether the ends of a line win their votes; also returns the coins of the rays. The
+// last is the line's own.
 bool win(const std::vector<Ballot>& of_rays, std::vector<uint32_t>& coins, uint32_t number = 0,
-         uint32_t round = 0, uint32_t stream = 0x10000) {
-  Scene scene;
-  scene.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
-  scene.triangles = {{{0, 1, 2}, 0}, {{0, 1, 2}, 0}};
-  CutFile cut;
-  cut.grid = {Vec3d(-50), 100};
+         uint32_t round = 0, uint32_t stream = 0x10000, uint64_t seed = 0) {
   Patch light{}, camera{};
   light.faces = {0, 3};  // the light's end looks down, at the fronts
   camera.faces = {1, 2};
-  cut.patches = {light, camera};
-  cut.sides = {0, 1};
-  cut.cuts.resize(1);
-  const LineTables tables = make_line_tables(scene, cut, "a.cut");
+  const LineTables tables = tables_of(light, camera, {Vec3d(-50), 100});
   shader::LightParameters p = parameters_of(tables);
   p.round = round;
   p.stream = stream;
+  p.seed = seed;
   VoxelSums sums(1);
   const Ballots rays{of_rays, {}};
   shader::LineKernel<Ballots> kernel(rays, tables, p, sums);
   const bool won = kernel.ends_see_their_sides({{}, 1, {}, 0}, number);
   coins = rays.coins;
+  coins.push_back(kernel.coin_of_line(number));
   return won;
 }
 
@@ -347,44 +336,47 @@ TEST(LineKernel, ends_win_by_a_lead_of_four_or_by_more_of_sixteen) {
   };
   // Both ends at once: four rays each.
   EXPECT_TRUE(win(votes(8, 0), coins));
-  EXPECT_EQ(coins.size(), 8u);
+  EXPECT_EQ(coins.size(), 9u);
   // One end, then none for the other.
   EXPECT_FALSE(win(votes(0, 4), coins));
-  EXPECT_EQ(coins.size(), 4u);
+  EXPECT_EQ(coins.size(), 5u);
   EXPECT_FALSE(win(votes(4, 4), coins));
-  EXPECT_EQ(coins.size(), 8u);
+  EXPECT_EQ(coins.size(), 9u);
   // Three votes are too few, and 16 rays are the maximum.
   EXPECT_FALSE(win(votes(3, 0), coins));
-  EXPECT_EQ(coins.size(), 16u);
+  EXPECT_EQ(coins.size(), 17u);
   // A tie does not win; nine of sixteen do.
   std::vector<Ballot> tie;
   for (int i = 0; i < 8; ++i) tie.insert(tie.end(), {Ballot::own, Ballot::other});
   EXPECT_FALSE(win(tie, coins));
-  EXPECT_EQ(coins.size(), 16u);
+  EXPECT_EQ(coins.size(), 17u);
   tie[15] = Ballot::own;
   tie.resize(20, Ballot::own);
   EXPECT_TRUE(win(tie, coins));
-  EXPECT_EQ(coins.size(), 20u);
+  EXPECT_EQ(coins.size(), 21u);
 }
 
 // No random number is used twice: not by both ends, nor by the line itself, nor by another line.
 TEST(LineKernel, votes_have_numbers_of_their_own) {
   std::vector<uint32_t> all, coins;
   const std::vector<Ballot> mine(8, Ballot::own);
-  const uint32_t segments = 0x10000, tries = 0x20000;
-  for (const auto& [number, round, stream] :
-       std::vector<std::array<uint32_t, 3>>{{0, 0, segments},
-                                            {1, 0, segments},
-                                            {0, 1, segments},
-                                            {0, 0, tries},
-                                            {0, 0, segments + kMostCuts - 1},
-                                            {0, 0, tries + kMostCuts - 1}}) {
-    ASSERT_TRUE(win(mine, coins, number, round, stream));
+  const uint32_t segments = 0x10000, tries = 0x20000, last = kMostCuts - 1;
+  const uint64_t high = shader::word64_of(1, 0), low = shader::word64_of(0, 1);
+  for (const auto& [number, round, stream, seed] :
+       std::vector<std::tuple<uint32_t, uint32_t, uint32_t, uint64_t>>{{0, 0, segments, 0},
+                                                                       {1, 0, segments, 0},
+                                                                       {0, 1, segments, 0},
+                                                                       {0, 0, segments, high},
+                                                                       {0, 0, segments, low},
+                                                                       {0, 0, tries, 0},
+                                                                       {0, 0, segments + last, 0},
+                                                                       {0, 0, tries + last, 0}}) {
+    ASSERT_TRUE(win(mine, coins, number, round, stream, seed));
     all.insert(all.end(), coins.begin(), coins.end());
-    shader::Rng line = shader::rng_of(0, stream, number, round);
+    shader::Rng line = shader::rng_of(seed, stream, number, round);
     for (int i = 0; i < 64; ++i) all.push_back(shader::random_word(line));
   }
-  EXPECT_EQ(all.size(), 6 * 72u);
+  EXPECT_EQ(all.size(), 8 * 73u);
   std::sort(all.begin(), all.end());
   EXPECT_EQ(std::unique(all.begin(), all.end()), all.end());
 }
@@ -435,54 +427,25 @@ TEST(LineTables, CellsShareATriangleOut) {
 }
 
 TEST(LineTables, FinerPatchesComeFirst) {
-  Scene scene;
-  scene.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
-  scene.triangles = {{{0, 1, 2}, 0}};
-  CutFile cut;
-  cut.grid.base_cell = 4;
   Patch coarse{}, fine{};
   coarse.faces = fine.faces = {0};
   fine.level = 2;  // cells of 0.25
-  cut.patches = {coarse, fine};
-  cut.sides = {0, 1};
-  cut.cuts.resize(1);
-  const LineTables tables = make_line_tables(scene, cut, "a.cut");
-  shader::LightParameters p = parameters_of(tables);
-  VoxelSums sums(1);
-  const NoRays none;
-  shader::LineKernel<NoRays> kernel(none, tables, p, sums);
-  const auto region = [&](uint32_t face, const Vec3f& at) {
+  const auto region = [&](double cell, uint32_t face, const Vec3f& at) {
+    const LineTables tables = tables_of(coarse, fine, {{}, cell});
+    VoxelSums sums(1);
+    const NoRays none;
+    shader::LineKernel<NoRays> kernel(none, tables, parameters_of(tables), sums);
     uint32_t r = 9;
     return kernel.region_at(face, at, r) ? static_cast<int>(r) : -1;
   };
-  EXPECT_EQ(region(0, {0.1f, 0.1f, 0}), 1);
-  EXPECT_EQ(region(0, {0.5f, 0.1f, 0}), 0);
-  EXPECT_EQ(region(1, {0.5f, 0.1f, 0}), -1);
-  EXPECT_EQ(region(0, {5, 0.1f, 0}), -1);
-}
-
-TEST(LineTables, CellsTooSmallForFloatsHoldNothing) {
-  Scene scene;
-  scene.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
-  scene.triangles = {{{0, 1, 2}, 0}};
-  CutFile cut;
-  cut.grid.base_cell = 1e-45;
-  Patch patch{};
-  patch.faces = {0};
-  patch.cell = {INT32_MIN, INT32_MIN, INT32_MIN};
-  cut.patches = {patch};
-  cut.sides = {0};
-  const LineTables tables = make_line_tables(scene, cut, "a.cut");
-  shader::LightParameters p{};
-  p.first_sky_face = UINT32_MAX;
-  p.cells_per_unit = tables.cells_per_unit;
-  p.levels = tables.levels;
-  VoxelSums sums(1);
-  const NoRays none;
-  shader::LineKernel<NoRays> kernel(none, tables, p, sums);
-  uint32_t region;
-  for (const Vec3f& at : {Vec3f(0), Vec3f(0.1f), Vec3f(-0.1f, 0, 0)})  // 0 * infinity
-    EXPECT_FALSE(kernel.region_at(0, at, region));
+  EXPECT_EQ(region(4, 0, {0.1f, 0.1f, 0}), 1);
+  EXPECT_EQ(region(4, 0, {0.5f, 0.1f, 0}), 0);
+  EXPECT_EQ(region(4, 1, {0.5f, 0.1f, 0}), -1);
+  EXPECT_EQ(region(4, 0, {5, 0.1f, 0}), -1);
+  // Cells too small for floats hold nothing: 0 * infinity.
+  coarse.cell = fine.cell = {INT32_MIN, INT32_MIN, INT32_MIN};
+  for (const Vec3f& at : {Vec3f(0), Vec3f(0.1f), Vec3f(-0.1f, 0, 0)})
+    EXPECT_EQ(region(1e-45, 0, at), -1);
 }
 
 }  // namespace tdpt::line_kernel_test
