@@ -136,7 +136,7 @@ TEST(fragments, of_a_box_add_up_to_its_area_and_hold_their_points) {
 bool etendue_holds(const Scene& s, double fault) {
   const Tracer tracer(s);
   const PatchMap map = full_map(s, 0.3);
-  const uint32_t rays = 200000;
+  const uint32_t rays = 80000;
   const Etendue e = measure_etendue(map, Fragments(map), tracer, 5, rays);
   const auto component = surface_components(s);
   const uint32_t low = 2 * component.front(), high = 2 * component[s.triangles.size() / 6];
@@ -293,13 +293,14 @@ TEST(cut, does_not_depend_on_place_units_turn_tessellation_and_brightness) {
   for (Camera& camera : turned.cameras)
     for (Vec3d* v : {&camera.position, &camera.right, &camera.up, &camera.forward}) *v = turn(*v);
   for (Material& m : fine.materials) m.emission = m.emission * 0.01f;
-  const double flow = flow_of(*graph_of(plain, 0));
+  double flow = 0;  // of the plain one
   for (const Scene* scene : std::vector<const Scene*>{&plain, &far, &millimetres, &turned, &fine}) {
     const auto g = graph_of(*scene, 0);
     EXPECT_LT(
         wrong_side(*g, 0, -0.1, 0.1,
                    scene == &turned ? std::function<Vec3d(const Vec3d&)>(turn_back) : as_it_is),
         0.01);
+    if (scene == &plain) flow = flow_of(*g);
     EXPECT_NEAR(flow_of(*g) / flow, 1, 0.05);
   }
 }

@@ -85,9 +85,10 @@ Scene sheet_on_a_ground(bool ground) {
 
 // Hits all over the sheet, one in `far_one_in` of them on the ground.
 Walks walks_on(const Scene& s, size_t far_one_in) {
+  const Scene alone = sheet(30);
   Walks walks;
   for (size_t k = 0; k < 20000; ++k) {
-    WalkHit p = random_place(sheet(30), k);
+    WalkHit p = random_place(alone, k);
     Rng rng(5, 0, k);
     if (k % far_one_in == 0) {
       const double x = rng.uniform();

@@ -63,8 +63,8 @@ bool is_shade_of(const draw::Ink& pixel, const draw::Ink& colour) {
          std::abs(pixel.z - shade * colour.z) < 0.02f;
 }
 
-bool each_side_has_its_colour(const CutFile& cut) {
-  const std::vector<draw::Panel> panels = drawing_of(cut).panels;  // camera, plan
+bool each_side_has_its_colour(const draw::Drawing& drawing) {
+  const std::vector<draw::Panel>& panels = drawing.panels;  // camera, plan
   // Floors of both rooms in the plan; the near room's wall and, through the hole, the far one's.
   return is_shade_of(at(panels[1], {3.6, 0, 0.7}), draw::kLight) &&
          is_shade_of(at(panels[1], {0.5, 0, -0.7}), draw::kCamera) &&
@@ -72,14 +72,15 @@ bool each_side_has_its_colour(const CutFile& cut) {
          is_shade_of(at(panels[0], {2.1, 1.08, -0.06}), draw::kLight);
 }
 
-TEST(cut_preview, walls_have_the_colour_of_their_side) {
-  EXPECT_TRUE(each_side_has_its_colour(cut_at_the_wall(1, 0)));
+TEST(cut_preview, walls_have_the_colour_of_their_side_and_pivot_pairs_their_line) {
+  const draw::Drawing drawing = drawing_of(cut_at_the_wall(1, 0));
+  EXPECT_TRUE(each_side_has_its_colour(drawing));
   // Twin: with the sides exchanged the same pixels are wrong.
-  EXPECT_FALSE(each_side_has_its_colour(cut_at_the_wall(0, 1)));
-  const auto png = testing::read_png(draw::draw(drawing_of(cut_at_the_wall(1, 0))).png());
+  EXPECT_FALSE(each_side_has_its_colour(drawing_of(cut_at_the_wall(0, 1))));
+  const auto png = testing::read_png(draw::draw(drawing).png());
   EXPECT_EQ(png.width, draw::kSheetWidth);
-  // A line of the pivot pair's colour on the way from the far room's end wall to the near one's.
-  const draw::Pixel on_it = drawing_of(cut_at_the_wall(1, 0)).panels[1].view.project({1, 1, 0.05});
+  // On the way from the far room's end wall to the near one's.
+  const draw::Pixel on_it = drawing.panels[1].view.project({1, 1, 0.05});
   const std::array<uint8_t, 3> pixel = png.at(static_cast<int>(on_it.x), static_cast<int>(on_it.y));
   for (size_t c = 0; c < 3; ++c)
     EXPECT_NEAR(pixel[c], 255 * draw::kPivot[static_cast<int>(c)], 60) << c;

@@ -100,7 +100,7 @@ Aperture rectangle(const LightGrid& grid, const Opening& w) {
 
 // A plane across the corner, before both windows, lies in the open; twin: a window does not.
 TEST(Directions, PartThePlaneBeforeTwoWindowsAtACorner) {
-  const LightGrid grid = testing::grid_of(testing::lines_through({kOne, kOther}, 6000));
+  const LightGrid grid = testing::grid_of(testing::lines_through({kOne, kOther}, 3000));
   const double c = std::sqrt(0.5);
   const Opening across{{-0.65, -0.65, 0}, Vec3d{c, -c, 0} * 0.92, {0, 0, 1}, {-c, -c, 0}};
   const auto part = part_of_directions(grid, testing::all_of(grid), rectangle(grid, across));
