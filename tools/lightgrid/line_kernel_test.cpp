@@ -62,69 +62,6 @@ struct NoRays {
   bool first_hit(const Vec3f&, const Vec3f&, uint32_t, shader::SurfaceHit&) const { return false; }
 };
 
-// Rays that hit triangle 0 after 1 in +x and triangle 1 after 1 in -x.
-struct BetweenTwo {
-  bool ahead = true, behind = true;
-  mutable std::vector<uint32_t> coins;
-  bool segment_blocked(const Vec3f&, const Vec3f&, uint32_t) const { return false; }
-  bool first_hit(const Vec3f&, const Vec3f& w, uint32_t coin, shader::SurfaceHit& hit) const {
-    coins.push_back(coin);
-    hit = {1, w.x > 0 ? 0u : 1u, 0, 0, 0};
-    return w.x > 0 ? ahead : behind;
-  }
-};
-
-TEST(LineKernel, lines_through_a_place_lead_from_light_to_camera) {
-  LineTables tables;
-  tables.face_normals = {{{-1, 0, 0}, 0}, {{-1, 0, 0}, 0}};  // faces 0 and 3 are met
-  tables.first_cell = {0, 1, 1, 1, 2};
-  tables.region_sides = {0, 0, 1, 0, 3, 0, 7, 0};  // one behind the other
-  VoxelSums sums(1);
-  BetweenTwo rays;
-  shader::LineEnds line;
-  // Regions ahead and behind; which cut.
-  const auto fate = [&](uint32_t ahead, uint32_t behind, uint32_t c, Vec3f direction) {
-    tables.patch_cells = {{{0, 0, 0}, ahead}, {{0, 0, 0}, behind}};
-    shader::LightParameters p{};
-    p.first_sky_face = UINT32_MAX;
-    p.cell_corner = {-50, -50, -50};
-    p.cells_per_unit = 0.01f;
-    p.levels = 1;
-    p.cut = c;
-    rays.coins.clear();
-    shader::LineKernel<BetweenTwo> kernel(rays, tables, p, sums);
-    const uint32_t out = kernel.line_through({{0, 0.5f, 1.5f}, 0, direction, 0}, 9, line);
-    for (const uint32_t coin : rays.coins) EXPECT_EQ(coin, kernel.coin_of_line(9));
-    return out;
-  };
-  const Vec3f right(1, 0, 0);
-  for (const float turned : {1.0f, -1.0f}) {
-    SCOPED_TRACE(turned);
-    EXPECT_EQ(fate(0, 1, 0, right * turned), FATE_JOINS);
-    EXPECT_NEAR(line.light.x, 1, 1e-5);
-    EXPECT_NEAR(line.camera.x, -1, 1e-5);
-    EXPECT_EQ(line.light.y, 0.5f);
-    EXPECT_EQ(line.camera.z, 1.5f);
-    EXPECT_EQ(line.light_face, 0u);
-    EXPECT_EQ(line.camera_face, 3u);
-    EXPECT_EQ(fate(2, 1, 1, right * turned), FATE_JOINS);
-    EXPECT_NEAR(line.light.x, -1, 1e-5);
-    EXPECT_EQ(line.light_face, 3u);
-    EXPECT_EQ(line.camera_face, 0u);
-    EXPECT_EQ(fate(2, 1, 0, right * turned), FATE_SAME_SIDE);
-    EXPECT_EQ(fate(0, 1, 1, right * turned), FATE_SAME_SIDE);
-  }
-  EXPECT_EQ(fate(0, 1, 0, Vec3f(0)), FATE_NONE);
-  EXPECT_TRUE(rays.coins.empty());
-  rays.ahead = false;
-  EXPECT_EQ(fate(0, 1, 0, right), FATE_NONE);
-  rays.ahead = true, rays.behind = false;
-  EXPECT_EQ(fate(0, 1, 0, right), FATE_NONE);
-  rays.behind = true;
-  tables.first_cell = {0, 1, 1, 2, 2};  // no patch on face 3
-  EXPECT_EQ(fate(0, 1, 0, right), FATE_NONE);
-}
-
 // Records what a tracer is asked for.
 class AskedTracer : public LineTracer {
  public:
@@ -154,10 +91,7 @@ TEST(LineTracer, asks_for_random_numbers_of_its_own_for_each_cut_and_pass) {
   std::vector<uint32_t> streams;
   const auto add = [&](uint32_t k) {
     const shader::LightParameters& p = tracer.asked;
-    EXPECT_EQ(p.seed, seed);
-    EXPECT_EQ(p.cut, k);
-    EXPECT_EQ(p.first_arc, k);
-    EXPECT_EQ(p.arcs, 7 + k);
+    EXPECT_EQ(std::tuple(p.seed, p.cut, p.first_arc, p.arcs), std::tuple(seed, k, k, 7 + k));
     for (const uint32_t of : {0u, LINE_VOTES_OF_LIGHT, LINE_VOTES_OF_CAMERA, LINE_COIN})
       streams.push_back(p.stream + of);
   };
@@ -245,30 +179,6 @@ TEST(LineKernel, lines_are_free_when_both_faces_look_along) {
   EXPECT_FALSE(is_free(-up, 0, 2));  // the other way
   EXPECT_TRUE(is_free(-up, 1, 3));
   EXPECT_FALSE(is_free({0.5f, 0, 0}, 0, 2));  // within the plane of one
-}
-
-TEST(LineKernel, marches_through_voxels_towards_the_camera) {
-  const LineTables tables;
-  const NoRays none;
-  shader::LightParameters p{};
-  p.first_sky_face = UINT32_MAX;
-  p.grid_corner = {-1, 0, 1};
-  p.voxels_per_unit = 2;
-  p.dim = {3, 2, 4};
-  VoxelSums sums(24);
-  shader::LineKernel<NoRays> kernel(none, tables, p, sums);
-  kernel.march({{-0.9f, 0.6f, 2.9f}, 0, {-0.9f, 0.6f, 1.1f}, 0});  // down column (0,1)
-  kernel.march({{0.4f, 0.1f, 1.7f}, 0, {-0.9f, 0.1f, 1.7f}, 0});   // along row (y,z) = (0,1)
-  std::vector<Vec3d> direction(24);
-  sums.take_directions(direction);
-  std::vector<uint32_t> count;
-  sums.counts(count);
-  for (size_t i = 0; i < 24; ++i) {
-    const size_t x = i % 3, y = i / 3 % 2, z = i / 6;
-    const bool first = x == 0 && y == 1, second = y == 0 && z == 1;
-    EXPECT_EQ(count[i], first || second ? 1u : 0u) << i;
-    EXPECT_EQ(direction[i], first ? Vec3d(0, 0, -1) : second ? Vec3d(-1, 0, 0) : Vec3d()) << i;
-  }
 }
 
 TEST(LineKernel, directions_are_rounded_to_the_nearest_unit) {
@@ -424,6 +334,30 @@ TEST(LineTables, CellsShareATriangleOut) {
   }
   EXPECT_GT(used, 10);
   EXPECT_NEAR(total, shape_of(scene, 0).area, 1e-6);
+}
+
+// Each cut has its own sides, also in the second of a region's two words.
+TEST(LineTables, RegionsHaveASideOfEachCut) {
+  CutFile cut;
+  cut.grid = {Vec3d(-50), 100};
+  cut.patches.resize(2);
+  cut.patches[0].faces = {0};
+  cut.patches[1].faces = {1};
+  cut.sides = {0b01, uint64_t{1} << 40};
+  cut.cuts.resize(41);
+  const LineTables tables = make_line_tables(two_triangles(), cut, "a.cut");
+  VoxelSums sums(1);
+  const NoRays none;
+  for (const uint32_t c : {0u, 1u, 40u}) {
+    shader::LightParameters p = parameters_of(tables);
+    p.cut = c;
+    shader::LineKernel<NoRays> kernel(none, tables, p, sums);
+    for (uint32_t face = 0; face < 2; ++face) {
+      uint32_t region;
+      ASSERT_TRUE(kernel.region_at(face, Vec3f(0.1f, 0.1f, 0), region));
+      EXPECT_EQ(kernel.side_of_region(region), cut.sides[face] >> c & 1);
+    }
+  }
 }
 
 TEST(LineTables, FinerPatchesComeFirst) {
