@@ -21,13 +21,6 @@ FlowNetwork random_network(uint64_t seed, uint32_t nodes, uint32_t arcs, uint32_
   return net;
 }
 
-TEST(verify, accepts_what_the_solver_finds) {
-  for (uint64_t seed = 0; seed < 100; ++seed) {
-    const FlowNetwork net = random_network(seed, 60, 400, 1000);
-    EXPECT_NO_THROW(verify_max_flow(net, max_flow(net)));
-  }
-}
-
 // s -> 2 -> t with capacities 5 and 3.
 TEST(verify, refutes_every_planted_fault) {
   const FlowNetwork net{3, 0, 1, {{0, 2, 5}, {2, 1, 3}}};

@@ -151,22 +151,6 @@ TEST(Materials, BurleysBaseKeepsTheLightOfAUniformSky) {
             burley({Rgb(0.5f), {}, {}}, 1.5, {0.3f, {}, {}}, 0, 1).base.factor.x);
 }
 
-TEST(Materials, SpectraHaveTheColoursOfTheirNames) {
-  const Rgb even = rgb_of_spectrum({{400, 0.3}, {700, 0.3}});
-  EXPECT_NEAR(even.x, 0.3, 1e-4);
-  EXPECT_NEAR(even.y, 0.3, 1e-4);
-  EXPECT_NEAR(even.z, 0.3, 1e-4);
-  const Rgb red = rgb_of_spectrum({{400, 0}, {590, 0}, {600, 1}, {700, 1}});
-  EXPECT_GT(red.x, 5 * red.y);
-  const Rgb warm = rgb_of_blackbody(2856), cold = rgb_of_blackbody(10000);
-  EXPECT_GT(warm.x, warm.z);
-  EXPECT_GT(cold.z, cold.x);
-  EXPECT_NEAR(luminance(warm), 1, 2e-3);
-  const Rgb d65 = rgb_of_xyz({0.95047f, 1.0f, 1.08883f});
-  EXPECT_NEAR(d65.x, 1, 1e-3);
-  EXPECT_NEAR(d65.z, 1, 1e-3);
-}
-
 std::string pfm(const std::string& head, std::initializer_list<float> values) {
   std::string bytes = head;
   for (const float v : values) bytes.append(reinterpret_cast<const char*>(&v), 4);
