@@ -55,17 +55,6 @@ TEST(Measures, TrimmingForgivesAThousandthOfThePixels) {
   EXPECT_DOUBLE_EQ(compare(a, "a", r, "r").picture.relmse_trimmed, 1 / 1.01 / 1998);
 }
 
-TEST(Measures, DoNotDependOnTheUnitOfLight) {
-  Picture a = picture, r = reference;
-  for (Rgb& c : a.pixels) c *= 1024;
-  for (Rgb& c : r.pixels) c *= 1024;
-  const Comparison c = compare(a, "a", r, "r");
-  EXPECT_DOUBLE_EQ(c.picture.mape, by_hand().picture.mape);
-  EXPECT_DOUBLE_EQ(c.picture.relmse, by_hand().picture.relmse);
-  EXPECT_DOUBLE_EQ(c.picture.psnr, by_hand().picture.psnr);
-  EXPECT_DOUBLE_EQ(c.picture.mse, 1024 * 1024 * by_hand().picture.mse);
-}
-
 TEST(Measures, RefusesPicturesThatAreNotFinite) {
   Picture nan = picture;
   nan.pixels[1].y = std::numeric_limits<float>::quiet_NaN();
