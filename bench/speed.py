@@ -89,7 +89,7 @@ def device(bench):
     for name, scene in bench.there(("veach-ajar", "two-rooms")).items():
         command = [program, "--device", s.device, "--rounds", s.rounds, scene, bench.portals(scene).file]
         told = checked(command, env=fresh).said.strip()
-        (bench.cache / f"{name}.txt").write_text(told + "\n", encoding="utf-8")  # rays, bytes and time of each kernel
+        (bench.cache / f"{name}.txt").write_text(told + "\n", encoding="utf-8")  # rays, time of each kernel
         tables.append(told.split("\n\n")[0])
     registers = checked([program, "--registers"], may_fail=range(1, 256),
                         env={**fresh, "VK_ICD_FILENAMES": s.radv, "RADV_FORCE_FAMILY": "navi21"})
