@@ -261,7 +261,7 @@ std::vector<Rgb> picture_of(void (*make)(Room&)) {
   const Vista vista(scene, scene.camera(""), room.width, room.height, room.portals);
   Job settings;
   settings.limits.spp = 4;
-  return render(vista, tdpt_org, settings).picture.pixels;
+  return render(*renderer_under_test(vista), tdpt_org, settings).picture.pixels;
 }
 
 TEST(white_room, in_units_of_powers_of_two_has_the_same_bytes) {

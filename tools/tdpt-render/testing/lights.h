@@ -7,6 +7,7 @@
 
 #include "libcommon/scene/ies.h"
 #include "libcommon/testing/files/ies_text.h"
+#include "tools/tdpt-render/testing/rect_lights.h"
 #include "tools/tdpt-render/testing/rooms.h"
 #include "tools/tdpt-render/testing/scalar_lights.h"
 #include "tools/tdpt-render/testing/sky.h"
@@ -49,6 +50,16 @@ inline std::shared_ptr<const Sky> fine_sky() {
                                std::vector{sun_of({0.3, 1, 0.4}, 0.5 * kDegree, 4)});
 }
 
+inline Scene open_room(std::shared_ptr<const Sky> sky, bool lamps = true) {
+  Scene scene = open_end(read_gltf(two_rooms_path()), 4.09);
+  PunctualLight lamp;
+  lamp.intensity = Rgb(0.5f);
+  if (lamps) scene.lights.push_back(lamp);
+  lamp.kind = PunctualLight::Kind::directional;
+  if (lamps) scene.lights.push_back(lamp);
+  return under(scene, std::move(sky));
+}
+
 /// Two lamps of one profile and one of another.
 inline Scene with_luminaires(Scene scene) {
   const testing::IesText even{.vertical = {0, 45, 120}, .candela = {3, 2, 1}};
@@ -66,6 +77,14 @@ inline Scene with_luminaires(Scene scene) {
     scene.lights.push_back(lamp);
   }
   return scene;
+}
+
+/// In the open end, in the hole, and a triangle.
+inline std::vector<Portal> three_windows() {
+  return {
+      rectangle({4.1, 0.1, -0.9}, {0, 0, 1.8}, {0, 1.8, 0}),
+      rectangle({2.05, 0.875, -0.125}, {0, 0, 0.25}, {0, 0.25, 0}),
+      {"triangle", {{2.5, 0.3, 0.2}, {3.5, 1.9, 0.3}, {2.6, 1.8, 0.3}}, {{0, 1, 2}}, {}, {}, true}};
 }
 
 /// All, or those `named`.

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "libcommon/testing/statistics/power.h"
-#include "tools/tdpt-render/testing/rendering.h"
+#include "tools/tdpt-render/testing/renderer.h"
 
 namespace tdpt {
 
@@ -27,12 +27,13 @@ inline MeanAndError mean_and_error(const std::vector<double>& runs) {
 inline MeanAndError rendered(const Vista& vista, const Integrator& integrator, uint64_t spp,
                              uint64_t runs = 16, int max_depth = kMaxDepth) {
   std::vector<double> means;
+  const auto renderer = renderer_under_test(vista);
   for (uint64_t seed = 1; seed <= runs; ++seed) {
     Job settings;
     settings.limits.spp = spp;
     settings.seed = testing::fresh(seed);
     settings.max_depth = max_depth;
-    const RenderResult r = render(vista, integrator, settings);
+    const RenderResult r = render(*renderer, integrator, settings);
     EXPECT_EQ(r.tally.not_finite, 0u);
     means.push_back(luminance(Rgb(r.mean())));
   }

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "libcommon/scene/scene.h"
-#include "tools/tdpt-render/testing/rooms.h"
 
 namespace tdpt {
 
@@ -82,25 +81,6 @@ inline Scene without_lamps(Scene scene) {
 inline Scene under(Scene scene, std::shared_ptr<const Sky> sky) {
   scene.sky = std::move(sky);
   return scene;
-}
-
-/// The two rooms with an open end and, besides the sky, lamps of each kind.
-inline Scene open_room(std::shared_ptr<const Sky> sky, bool lamps = true) {
-  Scene scene = open_end(read_gltf(two_rooms_path()), 4.09);
-  PunctualLight lamp;
-  lamp.intensity = Rgb(0.5f);
-  if (lamps) scene.lights.push_back(lamp);
-  lamp.kind = PunctualLight::Kind::directional;
-  if (lamps) scene.lights.push_back(lamp);
-  return under(scene, std::move(sky));
-}
-
-/// In the open end, in the hole, and a triangle.
-inline std::vector<Portal> three_windows() {
-  return {
-      rectangle({4.1, 0.1, -0.9}, {0, 0, 1.8}, {0, 1.8, 0}),
-      rectangle({2.05, 0.875, -0.125}, {0, 0, 0.25}, {0, 0.25, 0}),
-      {"triangle", {{2.5, 0.3, 0.2}, {3.5, 1.9, 0.3}, {2.6, 1.8, 0.3}}, {{0, 1, 2}}, {}, {}, true}};
 }
 
 }  // namespace tdpt

@@ -3,7 +3,7 @@
 
 #include "libcommon/testing/statistics/chi_square.h"
 #include "tools/tdpt-render/path/sample/world.h"
-#include "tools/tdpt-render/testing/rooms.h"
+#include "tools/tdpt-render/testing/rect_lights.h"
 
 namespace tdpt::rect_lights_test {
 

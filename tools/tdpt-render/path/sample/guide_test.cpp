@@ -10,6 +10,7 @@
 #include "tools/tdpt-render/path/sample/walk.h"
 #include "tools/tdpt-render/path/sample/world.h"
 #include "tools/tdpt-render/testing/rooms.h"
+#include "tools/tdpt-render/testing/sheets.h"
 
 namespace tdpt::guide_test {
 

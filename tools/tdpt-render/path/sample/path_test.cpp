@@ -10,6 +10,7 @@
 #include "tools/tdpt-render/integrators/integrator.h"
 #include "tools/tdpt-render/testing/blur.h"
 #include "tools/tdpt-render/testing/oracle.h"
+#include "tools/tdpt-render/testing/rect_lights.h"
 #include "tools/tdpt-render/testing/rooms.h"
 #include "tools/tdpt-render/testing/sky.h"
 #include "tools/tdpt-render/testing/variant.h"

@@ -25,6 +25,7 @@
 #include <numbers>
 
 #include "tools/tdpt-render/testing/rooms.h"
+#include "tools/tdpt-render/testing/sheets.h"
 #include "tools/tdpt-render/testing/variant.h"
 
 namespace tdpt::rays_test {
