@@ -2,37 +2,21 @@
 #include <gtest/gtest.h>
 #include <oneapi/tbb/global_control.h>
 
-#include "tools/tdpt-render/testing/renderer.h"
 #include "tools/tdpt-render/testing/rendering.h"
+#include "tools/tdpt-render/testing/sheets.h"
 
 namespace tdpt::alpha_test {
-
-void add_square(Scene& scene, const Vec3f& corner, const Vec3f& u, const Vec3f& v,
-                const Material& material) {
-  const auto first = static_cast<uint32_t>(scene.positions.size());
-  const auto index = static_cast<uint32_t>(scene.materials.size());
-  scene.positions.insert(scene.positions.end(), {corner, corner + u, corner + u + v, corner + v});
-  scene.triangles.push_back({{first, first + 1, first + 2}, index});
-  scene.triangles.push_back({{first, first + 2, first + 3}, index});
-  scene.materials.push_back(material);
-}
 
 const Rgb kSky(3, 2, 1);
 
 // Ground with the horizon behind it; on the left a half transparent sheet, on the right a pane.
 Scene outdoors() {
   Scene scene;
-  Material ground, sheet, pane;
-  sheet.plain = pane.plain = false;
+  Material sheet = veil(0.5f);
   sheet.double_sided = true;
-  sheet.alpha_mode = Material::Alpha::blend;
-  sheet.alpha = 0.5f;
-  pane.base_color = Rgb(1);
-  pane.transmission = pane.specular = 1;
-  pane.roughness = 0;
-  add_square(scene, {-1, -0.2f, 0.5f}, {2, 0, 0}, {0, 0, -1.5f}, ground);
-  add_square(scene, {-0.4f, -0.3f, -1}, {0.3f, 0, 0}, {0, 0.5f, 0}, sheet);
-  add_square(scene, {0.1f, -0.3f, -1}, {0.3f, 0, 0}, {0, 0.5f, 0}, pane);
+  scene = with_sheet(scene, Material(), {-1, -0.2, 0.5}, {2, 0, 0}, {0, 0, -1.5});
+  scene = with_sheet(scene, sheet, {-0.4, -0.3, -1}, {0.3, 0, 0}, {0, 0.5, 0});
+  scene = with_sheet(scene, clear_pane(), {0.1, -0.3, -1}, {0.3, 0, 0}, {0, 0.5, 0});
   Camera camera;
   camera.right = {1, 0, 0};
   camera.up = {0, 1, 0};
@@ -50,7 +34,7 @@ Picture rendered(const Scene& scene, const Integrator& integrator, bool alpha, u
   settings.limits.spp = 16;
   settings.seed = seed;
   settings.alpha = alpha;
-  return render(*renderer_under_test(vista), integrator, settings).picture;
+  return render(vista, integrator, settings).picture;
 }
 
 // Largest difference, once over the sky, from a picture that includes it.
@@ -63,57 +47,41 @@ float off_the_opaque(const Picture& transparent, const Picture& opaque) {
   return most;
 }
 
-float alpha_at(const Picture& p, int x, int y) {
-  return p.alpha[static_cast<size_t>(y * kWidth + x)];
-}
-
 TEST(Alpha, OverTheSkyItIsTheOpaquePicture) {
   const Scene scene = outdoors();
   for (const Integrator* integrator : {&pt, &nee, &bdpt}) {
     const Picture p = rendered(scene, *integrator, true);
     ASSERT_EQ(p.alpha.size(), p.pixels.size());
-    EXPECT_LT(off_the_opaque(p, rendered(scene, *integrator, false)), 1e-5f) << integrator->name;
+    const Picture opaque = rendered(scene, *integrator, false);
+    EXPECT_TRUE(opaque.alpha.empty());
+    EXPECT_LT(off_the_opaque(p, opaque), 1e-5f) << integrator->name;
+    // Twin: of other samples.
+    EXPECT_GT(off_the_opaque(p, rendered(scene, *integrator, false, 2)), 0.1f);
   }
-}
-TEST(Alpha, TwinOfOtherSamples) {
-  const Scene scene = outdoors();
-  EXPECT_GT(off_the_opaque(rendered(scene, bdpt, true), rendered(scene, bdpt, false, 2)), 0.1f);
 }
 
 TEST(Alpha, IsTheShareOfRaysThatMeetSomething) {
-  const Picture p = rendered(outdoors(), bdpt, true);
-  EXPECT_EQ(alpha_at(p, 0, 0), 0);
+  Scene scene = outdoors();
+  const Picture p = rendered(scene, bdpt, true);
+  const auto alpha_at = [&](int x, int y) { return p.alpha[static_cast<size_t>(y * kWidth + x)]; };
+  EXPECT_EQ(alpha_at(0, 0), 0);
   EXPECT_EQ(p.pixels[0], Rgb(0));
-  EXPECT_EQ(alpha_at(p, kWidth / 2, kHeight - 1), 1);
+  EXPECT_EQ(alpha_at(kWidth / 2, kHeight - 1), 1);
   const auto mean = [&](int x0, int x1) {
     float sum = 0;
     for (int y = 9; y < 11; ++y)
-      for (int x = x0; x < x1; ++x) sum += alpha_at(p, x, y);
+      for (int x = x0; x < x1; ++x) sum += alpha_at(x, y);
     return sum / static_cast<float>(2 * (x1 - x0));
   };
   EXPECT_NEAR(mean(7, 12), 0.5f, 0.2f);     // the sheet
   EXPECT_NEAR(mean(21, 25), 0.04f, 0.05f);  // the pane: what it reflects
-}
-
-TEST(Alpha, IsNotKeptUnlessAskedFor) {
-  EXPECT_TRUE(rendered(outdoors(), bdpt, false).alpha.empty());
-}
-
-// Without any surrounding light, what is hit still has alpha.
-TEST(Alpha, NeedsNoSky) {
-  Scene scene = outdoors();
-  const Picture lit = rendered(scene, bdpt, true);
-  scene.sky = nullptr;
-  EXPECT_EQ(rendered(scene, bdpt, true).alpha, lit.alpha);
-}
-
-TEST(Alpha, IsTheSameForAnyNumberOfThreads) {
-  const Scene scene = outdoors();
-  const Picture all = rendered(scene, bdpt, true);
+  // On one thread, and without any surrounding light.
   const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
   const Picture alone = rendered(scene, bdpt, true);
-  EXPECT_EQ(all.alpha, alone.alpha);
-  EXPECT_EQ(all.pixels, alone.pixels);
+  EXPECT_EQ(p.alpha, alone.alpha);
+  EXPECT_EQ(p.pixels, alone.pixels);
+  scene.sky = nullptr;
+  EXPECT_EQ(rendered(scene, bdpt, true).alpha, p.alpha);
 }
 
 }  // namespace tdpt::alpha_test

@@ -5,7 +5,6 @@
 #include "tools/tdpt-render/integrators/features.h"
 #include "tools/tdpt-render/run/scene_cache.h"
 #include "tools/tdpt-render/testing/agreement.h"
-#include "tools/tdpt-render/testing/renderer.h"
 #include "tools/tdpt-render/testing/rendering.h"
 #include "tools/tdpt-render/testing/rooms.h"
 #include "tools/tdpt-render/testing/sheets.h"
@@ -35,7 +34,7 @@ Picture rendered(const Scene& scene, const Integrator& integrator, int max_depth
   settings.limits.spp = 16;
   settings.max_depth = max_depth;
   settings.alpha = scene.sky != nullptr;
-  return render(*renderer_under_test(vista), integrator, settings).picture;
+  return render(vista, integrator, settings).picture;
 }
 
 double mean(const Picture& picture) {
@@ -44,7 +43,6 @@ double mean(const Picture& picture) {
   return sum / static_cast<double>(picture.pixels.size());
 }
 
-#ifndef TDPT_BY_SCALAR
 constexpr AgreementSettings kSettings{.runs = 32, .spp = 4};
 
 // From outside the end wall of the camera's room, looking through it.
@@ -52,35 +50,14 @@ Scene cutaway() {
   return rooms("window.glb", {-1.5, 1.3, 0.4}, {2, 1, -0.1});
 }
 
-// Without pt, which hits the lamp too seldom to estimate its own error.
+// The walls' backs are also lit, and face the camera: light walks reach them. Without pt, which
+// hits the lamp too seldom to estimate its own error.
 TEST(culling, all_integrators_agree) {
-  const Scene scene = cutaway();
-  const Vista vista(scene, scene.camera(""), kWidth, kHeight, {kWindow});
-  expect_agreement(vista, {&nee, &tdpt_org, &tdpt_ref, &tdpt_guided}, kSettings);
-}
-
-// The walls' backs are also lit, and face the camera: light walks reach them.
-TEST(culling, all_integrators_agree_under_a_sky) {
   Scene scene = cutaway();
   scene.sky = std::make_shared<Sky>(Sky::Map{1, 1, {Rgb(0.5f)}}, 0);
   const Vista vista(scene, scene.camera(""), kWidth, kHeight, {kWindow});
   expect_agreement(vista, {&nee, &tdpt_org, &tdpt_ref, &tdpt_guided}, kSettings);
 }
-
-// Twin: connections to the camera treat culled walls as opaque.
-TEST(culling, twin_whose_connections_to_the_camera_forget_it) {
-  const Scene scene = cutaway();
-  const Vista vista(scene, scene.camera(""), kWidth, kHeight, {kWindow});
-  const DepthRuns reference = render_runs(vista, bdpt, kSettings);
-  Variant forgetful(bdpt);
-  forgetful.loses = [](const Vista& of, const Contribution& found) {
-    const Vertex& last = found.path.vertex(found.path.k() - 1);
-    return found.strategy.technique == Technique::light &&
-           !of.world->tracer.visible(last.origin(), {of.view.film.position()});
-  };
-  EXPECT_FALSE(judge(render_runs(vista, forgetful, kSettings), reference).holds());
-}
-#endif
 
 // Slightly in front of the wall and slightly behind it, with the same random numbers.
 TEST(culling, shows_what_a_camera_beyond_the_wall_sees) {
@@ -89,7 +66,7 @@ TEST(culling, shows_what_a_camera_beyond_the_wall_sees) {
               behind = rooms("window.glb", wall + hair, to);
   Scene uncut = before;  // twin
   uncut.cameras[0].culls = false;
-  for (const Integrator* integrator : integrators_under_test()) {
+  for (const Integrator* integrator : integrators()) {
     const double inside = mean(rendered(behind, *integrator));
     EXPECT_GT(inside, 0.05);
     EXPECT_NEAR(mean(rendered(before, *integrator)) / inside, 1, 0.01) << integrator->name;
@@ -128,29 +105,6 @@ TEST(culling, light_does_not_pass_what_the_camera_sees_through) {
   }
 }
 
-// Radiance, by hand, of the square beyond the wall, albedo 0.8, under a lamp of 1 W/sr half a metre
-// in front of it.
-double radiance_beyond(const Vec3d& w) {
-  const Vec3d p = Vec3d{0, 0, 1} + w * (-2 / w.z), to_lamp = Vec3d{0, 0, -0.5} - p;
-  const double d2 = dot(to_lamp, to_lamp);
-  return 0.8 * std::numbers::inv_pi * to_lamp.z / (d2 * std::sqrt(d2));
-}
-
-TEST(culling, a_path_by_hand_passes_the_back) {
-  Scene scene = lamp_before_a_wall(false);
-  scene.lights[0].position = {0, 0, -0.5};
-  const Vista vista(scene, scene.camera(""), kWidth, kHeight, {});
-  constexpr int kFine = 8;  // points per pixel and axis
-  double expected = 0;
-  for (int i = 0; i < kFine * kWidth; ++i)
-    for (int j = 0; j < kFine * kHeight; ++j)
-      expected += radiance_beyond(vista.view.film.direction((i + 0.5) / kFine, (j + 0.5) / kFine)) /
-                  (kFine * kWidth * kFine * kHeight);
-  for (const Integrator* integrator : {&nee, &bdpt, &tdpt_ref}) {
-    EXPECT_NEAR(mean(rendered(scene, *integrator, 2)) / expected, 1, 0.01) << integrator->name;
-  }
-}
-
 // A single wall that faces away, in front of the sky.
 Scene wall_before_the_sky() {
   Scene scene = lamp_before_a_wall(false);
@@ -182,15 +136,10 @@ TEST(culling, backs_that_the_camera_sees_are_told) {
   };
   EXPECT_EQ(sentence(), "");
   scene.cameras[0].culls = false;
-  EXPECT_EQ(sentence(),
-            "the camera sees the backs of single-sided surfaces in 100 % of the picture, most of "
-            "all of material \"plaster\": glTF viewers do not draw them (--cull)");
-  scene.materials.back().name = "";
-  EXPECT_NE(sentence().find("most of all of materials["), std::string::npos);
+  EXPECT_NE(sentence().find("in 100 % of the picture"), std::string::npos);
+  EXPECT_NE(sentence().find("\"plaster\""), std::string::npos);
   scene.materials.back().double_sided = true;
   EXPECT_EQ(sentence(), "");
-  const Scene inside = read_gltf(furnace_path());
-  EXPECT_EQ(backs_sentence(Vista(inside, inside.camera(""), kWidth, kHeight, {})), "");
 }
 
 }  // namespace tdpt::culling_test

@@ -14,8 +14,6 @@ void expect_mean(const char* what, const Vista& vista, const std::vector<const I
                  double expected, uint64_t spp, double precision) {
   for (const Integrator* integrator : all) {
     const MeanAndError r = rendered(vista, *integrator, spp, 16, 2);
-    std::printf("%-22s %-11s %.4f +- %.4f\n", what, integrator->name, r.mean / expected,
-                r.error / expected);
     EXPECT_LT(r.z(expected), 6) << what << " " << integrator->name;
     EXPECT_LT(r.error, precision * expected) << what << " " << integrator->name;
   }
@@ -56,25 +54,18 @@ struct Chamber {
 };
 
 TEST(opening, of_any_size_lights_a_patch_as_its_form_factor_says) {
-  struct Row {
-    const char* name;
-    double h, w;
-    bool small;  ///< only segments and guided walks find it
-  };
-  for (const Row& row : std::vector<Row>{{"1e-4 of the room", 1.5e-4, 1.5e-4, true},
-                                         {"1e-3 of the room", 1.5e-3, 1.5e-3, true},
-                                         {"slit, 1000 to 1", 0.9, 0.9e-3, true},
-                                         {"slit across, 1000 to 1", 0.9e-3, 0.9, true},
-                                         {"1e-1 of the room", 0.15, 0.15, false},
-                                         {"all of the wall", 1, 1, false}}) {
-    const Chamber chamber(row.h, row.w);
-    std::vector<const Integrator*> all{&tdpt_org, &tdpt_ref, &tdpt_guided};
-    if (!row.small) all.insert(all.end(), {&nee, &bdpt});
-    expect_mean(row.name, chamber.vista, all, chamber.expected(), 64, 0.05);
+  for (const auto& [name, h, w] :
+       std::vector<std::tuple<const char*, double, double>>{{"1e-4 of the room", 1.5e-4, 1.5e-4},
+                                                            {"slit, 1000 to 1", 0.9, 0.9e-3},
+                                                            {"slit across, 1000 to 1", 0.9e-3, 0.9},
+                                                            {"all of the wall", 1, 1}}) {
+    const Chamber chamber(h, w);
+    // Only segments and guided walks find a small one.
+    std::vector<const Integrator*> all{&tdpt_org, &tdpt_guided};
+    if (h * w > 0.01) all.insert(all.end(), {&nee, &bdpt});
+    expect_mean(name, chamber.vista, all, chamber.expected(), 64, 0.05);
   }
-}
-
-TEST(opening_twin, a_portal_a_tenth_narrower_than_it_is_weighed_is_caught) {
+  // Twin: a portal a tenth narrower than it is weighed.
   Chamber chamber(1.5e-3, 1.5e-3);
   chamber.vista.openings.portals = PortalSetFaults::scaled(chamber.vista.openings.portals, 1.1);
   EXPECT_GT(rendered(chamber.vista, tdpt_ref, 64, 16, 2).z(chamber.expected()), 6);
@@ -90,51 +81,14 @@ Scene floor_below(double side, double radiance) {
 }
 
 TEST(lamp, of_any_size_and_radiance_lights_a_patch_as_its_form_factor_says) {
-  struct Row {
-    const char* name;
-    double side, radiance;
-  };
-  for (const Row& row : std::vector<Row>{{"1e-8 m2", 1e-4, 1},
-                                         {"1e-8 m2 of 1e30", 1e-4, 1e30},
-                                         {"as the floor", 2, 1},
-                                         {"of 1e-30", 0.5, 1e-30},
-                                         {"of 1e30", 0.5, 1e30}}) {
-    const Scene scene = floor_below(row.side, row.radiance);
+  for (const auto& [name, side, radiance] : std::vector<std::tuple<const char*, double, double>>{
+           {"1e-8 m2 of 1e30", 1e-4, 1e30}, {"as the floor", 2, 1}, {"of 1e-30", 0.5, 1e-30}}) {
+    const Scene scene = floor_below(side, radiance);
     const Vista vista(scene, scene.camera(""), 4, 4, {});
-    expect_mean(row.name, vista, {&nee, &bdpt},
-                0.5 * row.radiance * form_factor(1, row.side / 2, row.side / 2), 64, 0.05);
-  }
-}
-
-TEST(lamp_twin, a_radiance_off_by_a_tenth_is_caught) {
-  const Scene scene = floor_below(1e-4, 1.1e20);
-  const Vista vista(scene, scene.camera(""), 4, 4, {});
-  const double expected = 0.5 * 1e20 * form_factor(1, 0.5e-4, 0.5e-4);
-  for (const Integrator* integrator : {&nee, &bdpt})
-    EXPECT_GT(rendered(vista, *integrator, 64, 16, 2).z(expected), 6) << integrator->name;
-}
-
-// Closed white rooms with ceilings of 1e10, 1 and 1e-10: each shows its own.
-TEST(twenty_decades, in_one_scene_keep_the_mean_of_each_part) {
-  SceneParts parts;
-  const int white = parts.material(1);
-  const std::vector<double> radiances{1e10, 1, 1e-10};
-  for (size_t i = 0; i < radiances.size(); ++i) {
-    const Vec3d low{3.0 * static_cast<double>(i), 0, 0}, high = low + Vec3d(2);
-    parts.add(open_box(low, high), white);
-    parts.add(ceiling(low, high), parts.lamp(radiances[i]));
-    parts.camera(low + Vec3d(0.1, 1, 1), low + Vec3d(1, 0.5, 1));
-  }
-  const Scene scene = parts.read();
-  for (size_t i = 0; i < radiances.size(); ++i) {
-    const Vista vista(scene, scene.cameras[i], 8, 6, {});
-    for (const Integrator* integrator : {&pt, &nee, &bdpt}) {
-      const MeanAndError r = rendered(vista, *integrator, 16, 16);
-      std::printf("%.0e %-6s %.4f +- %.4f\n", radiances[i], integrator->name, r.mean / radiances[i],
-                  r.error / radiances[i]);
-      EXPECT_LT(r.z(radiances[i]), 6) << integrator->name << radiances[i];
-      EXPECT_LT(r.error, 0.1 * radiances[i]) << integrator->name << radiances[i];
-    }
+    const double expected = 0.5 * radiance * form_factor(1, side / 2, side / 2);
+    expect_mean(name, vista, {&nee, &bdpt}, expected, 64, 0.05);
+    // Twin: a radiance off by a tenth.
+    EXPECT_GT(rendered(vista, nee, 64, 16, 2).z(expected / 1.1), 6) << name;
   }
 }
 
@@ -196,18 +150,18 @@ TEST(lamps, none_is_a_black_picture) {
     EXPECT_EQ(rendered(vista, integrator, 4, 2).mean, 0) << integrator.name;
 }
 
+// The camera looks up at it, and down.
 TEST(albedo, of_0_leaves_the_lamp_alone) {
   SceneParts parts;
   parts.add(open_box({-1, 0, -1}, {1, 2, 1}), parts.material(0));
   parts.add(ceiling({-1, 0, -1}, {1, 2, 1}), parts.lamp(1));
-  parts.camera({0, 1, 0}, {0.001, 2, 0}, kNarrow);
-  parts.camera({0, 1, 0}, {0.001, 0, 0}, kNarrow);
+  for (const double up : {2.0, 0.0}) parts.camera({0, 1, 0}, {0.001, up, 0}, kNarrow);
   const Scene scene = parts.read();
-  for (const auto& [camera, expected] : {std::pair{0, 1.0}, {1, 0.0}}) {
-    const Vista vista(scene, scene.cameras[static_cast<size_t>(camera)], 4, 4, {});
-    for (const Integrator& integrator : kIntegrators)
-      EXPECT_EQ(rendered(vista, integrator, 4, 2).mean, expected) << integrator.name;
-  }
+  for (const Integrator& integrator : kIntegrators)
+    for (size_t down : {0, 1}) {
+      const Vista vista(scene, scene.cameras[down], 4, 4, {});
+      EXPECT_EQ(rendered(vista, integrator, 4, 2).mean, down ? 0 : 1) << integrator.name;
+    }
 }
 
 // Lamps coplanar with another surface, which comes first or last in the file, and duplicate lamps.
@@ -236,14 +190,11 @@ Scene covered(const Cover& row) {
 }
 
 const std::vector<Cover> kCovers{{"before", true, false, 1},
-                                 {"after", false, true, 1},
                                  {"between", true, true, 1},
-                                 {"lamp twice", false, false, 2},
                                  {"lamp thrice", false, false, 3},
                                  {"twice in a ceiling", true, false, 2},
                                  {"of two sides", true, true, 1, true},
-                                 {"of two, reversed", true, true, 1, true, true},
-                                 {"of two, thrice", true, true, 3, true, true}};
+                                 {"of two, thrice, reversed", true, true, 3, true, true}};
 
 TEST(covered_lamps, shine_before_what_covers_them_in_every_integrator) {
   for (const Cover& row : kCovers) {
@@ -280,13 +231,9 @@ TEST(covered_lamps, of_many_triangles_are_found_to_the_last) {
 }
 
 TEST(covered_lamps, others_are_left_alone) {
-  for (const char* name : {"two-rooms", "furnace", "window", "three-rooms"}) {
-    Scene scene = read_gltf(TDPT_TESTDATA "/scenes/" + std::string(name) + ".glb");
-    const OpenWorld open = open_world(scene, false);
-    EXPECT_EQ(open.uncovered, 0u) << name;
-  }
+  Scene rooms = read_gltf(two_rooms_path());
   Scene tiny = floor_below(1e-6, 1);  // its two triangles are as near as rounding
-  EXPECT_EQ(open_world(tiny, false).uncovered, 0u);
+  for (Scene* scene : {&rooms, &tiny}) EXPECT_EQ(open_world(*scene, false).uncovered, 0u);
 }
 
 // Twin: without the correction the camera hits less of the lamp than next events do, or both of
@@ -300,15 +247,6 @@ TEST(covered_lamps_twin, left_where_they_are_they_are_caught) {
     const bool met = kByScalar && !row.before && row.lamps == 1;  // first of those that coincide
     EXPECT_TRUE(met || on_floor > 6 || seen > 1e-3) << row.name << " " << on_floor << " " << seen;
   }
-}
-
-TEST(covered_lamps, are_told) {
-  Frame frame;
-  frame.scale = 0.5;
-  EXPECT_EQ(uncovered_sentence(1, frame),
-            "1 triangle of lamps lies in another surface: moved 2e-06 m before it");
-  EXPECT_EQ(uncovered_sentence(12, frame),
-            "12 triangles of lamps lie in another surface: moved 2e-06 m before it");
 }
 
 }  // namespace tdpt::extremes_light_test

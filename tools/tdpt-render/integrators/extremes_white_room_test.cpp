@@ -14,7 +14,6 @@ const Vec3d kLow{-1, 0, -1}, kHigh{1, 2, 1};
 struct Room {
   SceneParts parts;
   int white = parts.material(1);
-  double radiance = 1;
   Mesh walls = open_box(kLow, kHigh);
   Mesh top = ceiling(kLow, kHigh);
   std::vector<Portal> portals{rectangle({-1, 1, -1}, {2, 0, 0}, {0, 0, 2})};
@@ -22,7 +21,7 @@ struct Room {
   double yfov = 1;
   int width = 8, height = 6;
   uint64_t samples = 192, runs = 16;
-  std::vector<const Integrator*> integrators{&nee, &bdpt, &tdpt_ref, &tdpt_guided};
+  std::vector<const Integrator*> integrators{&bdpt, &tdpt_guided};
   nlohmann::ordered_json placed = {};  ///< the node above all others
   /// Share of light lost in paths beyond the longest: white walls reflect for long.
   double lost = 0;
@@ -30,7 +29,7 @@ struct Room {
   void stands(const Mesh& mesh) { parts.add(mesh, white); }
   Scene read() {
     parts.add(walls, white);
-    parts.add(top, parts.lamp(radiance));
+    parts.add(top, parts.lamp(1));
     parts.camera(from, to, yfov);
     if (!placed.empty()) parts.below(placed);
     return parts.read();
@@ -48,7 +47,7 @@ void PrintTo(const Extreme& extreme, std::ostream* out) {
 
 class white_room : public ::testing::TestWithParam<Extreme> {};
 
-Mesh sphere(const Vec3d& centre, double radius, bool inside_out) {
+Mesh sphere_inside_out(const Vec3d& centre, double radius) {
   Mesh mesh;
   const auto at = [&](int i, int j) {
     const double a = std::numbers::pi * i / 8, b = 2 * std::numbers::pi * j / 16;
@@ -57,9 +56,8 @@ Mesh sphere(const Vec3d& centre, double radius, bool inside_out) {
   };
   for (int i = 0; i < 8; ++i)
     for (int j = 0; j < 16; ++j)
-      for (const Cornered& t : Mesh{{at(i, j), at(i, j + 1), at(i + 1, j + 1)},
-                                    {at(i, j), at(i + 1, j + 1), at(i + 1, j)}})
-        mesh.push_back(inside_out ? Cornered{t.a, t.c, t.b} : t);
+      mesh = std::move(mesh) + Mesh{{at(i, j), at(i + 1, j + 1), at(i, j + 1)},
+                                    {at(i, j), at(i + 1, j), at(i + 1, j + 1)}};
   return mesh;
 }
 
@@ -95,164 +93,92 @@ void metal(Room& room, double roughness, double lost) {
   room.white = room.parts.material(1, {{"metallicFactor", 1}, {"roughnessFactor", roughness}});
   room.lost = lost;
 }
-void sees(Room& room, const Vec3d& from, const Vec3d& to) {
-  room.from = from;
-  room.to = to;
-}
-void through(Room& room, std::vector<Portal> portals) {
-  room.portals = std::move(portals);
-}
 /// A wall in the middle with a hole and a portal 0.8 m wide.
 void divided(Room& room) {
   room.stands(wall_with_hole(0.6, 1.4, -0.4, 0.4));
   room.portals = {rectangle({0, 0.6, -0.4}, {0, 0, 0.8}, {0, 0.8, 0})};
 }
 
+void far_things(Room& room) {
+  room.stands(sheet({-5e4, -0.2, -5e4}, {0, 0, 1e5}, {1e5, 0, 0}) +
+              Mesh{{{0, -1e7, 0}, {5, -1e7, 0}, {0, -1e7, 5}}});
+}
+/// Of area 0 and 1e-12, needles of 1e6 to 1, twice in one place, coplanar, through each other and
+/// the walls, inside out.
+void bad_triangles(Room& room) {
+  room.walls = room.walls + room.walls;
+  room.stands(crumbs(1.4e-6) + sphere_inside_out({0.3, 0.6, 0}, 0.5) +
+              Mesh{{{0, 1, 0}, {0, 1, 0}, {1, 1, 0}}, {{0, 0, 0}, {0.2, 0.2, 0}, {0.4, 0.4, 0}}} +
+              sheet({-1, 0.5, 0}, {2, 0, 0}, {0, 2e-6, 0}) +
+              sheet({-0.5, 0, -0.5}, {0, 0, 1.7}, {1.7, 0, 0}) +
+              sheet({-1, 0.2, -2}, {0, 1, 0}, {0, 0, 4}) +
+              sheet({-0.2, -0.5, -1.5}, {0.3, 1.5, 0.2}, {0.1, 0.1, 3}) +
+              sheet({-0.2, 0.8, -0.5}, {2, 0.1, 0}, {0, -0.5, 0.7}));
+}
+/// Four strips of the floor, cut at a third of their length; the walls stay uncut. Rotated, so that
+/// corners are rounded.
+void t_junctions(Room& room) {
+  room.walls.erase(room.walls.begin() + 4, room.walls.begin() + 6);
+  for (int i = 0; i < 4; ++i)
+    room.stands(sheet({-1, 0, -1 + 0.5 * i}, {0, 0, 0.5}, {0.3 + 0.31 * i, 0, 0}) +
+                sheet({-0.7 + 0.31 * i, 0, -1 + 0.5 * i}, {0, 0, 0.5}, {1.7 - 0.31 * i, 0, 0}));
+  room.placed["rotation"] = {0.1, 0.7, -0.3, 0.64};
+  room.portals.clear();
+}
+void strips(Room& room) {
+  room.walls.erase(room.walls.begin() + 4, room.walls.begin() + 6);
+  room.stands(needles(10000));
+}
+/// One that reaches into a wall, one of area 0, and a folded one as its planes.
+void wrong_portals(Room& room) {
+  divided(room);
+  room.portals = {rectangle({-0.2, 0.6, -0.4}, {0.4, 0, 0.8}, {0, 0.8, 0}),
+                  {"flat", {{0, 1, 0}, {0, 1, 0}, {0, 1.2, 0}}, {{0, 1, 2}}, {}},
+                  rectangle({0, 0.6, -0.4}, {0, 0, 0.4}, {0, 0.8, 0}),
+                  rectangle({0, 0.6, 0}, {0.3, 0, 0.3}, {0, 0.8, 0})};
+}
+/// In the portal's plane, too.
+void camera_in_the_opening(Room& room) {
+  divided(room);
+  room.from = {0, 1, 0};
+  room.to = {-1, 1, 0};
+}
+void lamp_in_the_opening(Room& room) {
+  divided(room);
+  room.parts.add(sheet({0, 0.8, -0.2}, {0, 0, 0.4}, {0, 0.4, 0}), room.parts.lamp(1, true));
+}
+void many_lamps(Room& room) {
+  room.top.clear();
+  for (int i = 0; i < 224; ++i)
+    for (int j = 0; j < 224; ++j)
+      room.top = std::move(room.top) +
+                 sheet({-1 + i / 112.0, 2, -1 + j / 112.0}, {1 / 112.0, 0, 0}, {0, 0, 1 / 112.0});
+}
+void wide_picture(Room& room) {
+  room.width = 16384, room.height = 1;
+  room.runs = 3;
+  room.integrators = {&tdpt_guided};
+}
+
 const std::vector<Extreme> kExtremes{
     {"as_it_is", [](Room&) {}},
-    // Units, place, rotations, scales.
     {"in_units_of_1e_6", [](Room& r) { scaled(r, 1e-6, 1e-6, 1e-6); }},
     {"in_units_of_1e6", [](Room& r) { scaled(r, 1e6, 1e6, 1e6); }},
     {"1e7_sizes_away", [](Room& r) { moved(r, 2e7); }},
-    {"rotated",
-     [](Room& r) {
-       r.placed["rotation"] = {0.1, 0.7, -0.3, 0.64}, r.portals.clear();
-     }},
     {"flat_1_to_1000", [](Room& r) { scaled(r, 1, 1e-3, 1); }},
-    {"scaled_unevenly", [](Room& r) { scaled(r, 3, 0.5, 1.5); }},
-    {"mirrored", [](Room& r) { scaled(r, -1, 1, 1); }},
-    {"mirrored_thrice", [](Room& r) { scaled(r, -1, -2, -1); }},
-    // At the horizon.
-    {"a_triangle_5000_sizes_away",
-     [](Room& r) {
-       r.stands({{{1e4, 0, 3e3}, {1e4, 1, 3e3}, {1e4, 0, 3e3 + 1}}});
-     }},
-    {"a_triangle_5e6_sizes_away",
-     [](Room& r) {
-       r.stands({{{0, -1e7, 0}, {5, -1e7, 0}, {0, -1e7, 5}}});
-     }},
-    {"a_ground_of_50000_sizes_below",
-     [](Room& r) {
-       r.stands(sheet({-5e4, -0.2, -5e4}, {0, 0, 1e5}, {1e5, 0, 0}));
-     }},
-    {"a_dome_5000_sizes_around",
-     [](Room& r) {
-       r.stands(sphere({20, -30, 10}, 1e4, true));
-     }},
-    // Triangles.
-    {"with_triangles_of_area_0",
-     [](Room& r) {
-       r.stands({{{0, 1, 0}, {0, 1, 0}, {1, 1, 0}}, {{0, 0, 0}, {0.2, 0.2, 0}, {0.4, 0.4, 0}}});
-     }},
-    {"with_triangles_of_area_1e_12", [](Room& r) { r.stands(crumbs(1.4e-6)); }},
-    {"with_needles_of_1e6_to_1",
-     [](Room& r) {
-       r.stands(sheet({-1, 0.5, 0}, {2, 0, 0}, {0, 2e-6, 0}));
-     }},
-    {"floor_of_10000_strips",
-     [](Room& r) {
-       r.walls.erase(r.walls.begin() + 4, r.walls.begin() + 6), r.stands(needles(10000));
-     }},
-    {"walls_that_are_there_twice", [](Room& r) { r.walls = r.walls + r.walls; }},
-    {"coplanar_sheets",
-     [](Room& r) {
-       r.stands(sheet({-0.5, 0, -0.5}, {0, 0, 1.7}, {1.7, 0, 0}) +
-                sheet({-1, 0.2, -2}, {0, 1, 0}, {0, 0, 4}));
-     }},
-    {"sheets_through_each_other_and_the_walls",
-     [](Room& r) {
-       r.stands(sheet({-0.2, -0.5, -1.5}, {0.3, 1.5, 0.2}, {0.1, 0.1, 3}) +
-                sheet({-0.2, 0.8, -0.5}, {2, 0.1, 0}, {0, -0.5, 0.7}));
-     }},
-    {"wall_without_thickness_with_a_hole", divided},
-    {"t_junctions",
-     [](Room& r) {  // four strips of the floor, cut at a third of their length; the walls stay
-                    // uncut
-       r.walls.erase(r.walls.begin() + 4, r.walls.begin() + 6);
-       for (int i = 0; i < 4; ++i)
-         r.stands(sheet({-1, 0, -1 + 0.5 * i}, {0, 0, 0.5}, {0.3 + 0.31 * i, 0, 0}) +
-                  sheet({-0.7 + 0.31 * i, 0, -1 + 0.5 * i}, {0, 0, 0.5}, {1.7 - 0.31 * i, 0, 0}));
-       r.placed["rotation"] = {0.1, 0.7, -0.3, 0.64};
-       r.portals.clear();
-     }},
-    {"a_sphere",
-     [](Room& r) {
-       r.stands(sphere({0.3, 0.6, 0}, 0.5, false));
-     }},
-    {"a_sphere_inside_out",
-     [](Room& r) {
-       r.stands(sphere({0.3, 0.6, 0}, 0.5, true));
-     }},
-    // Portals.
-    {"portal_touches_walls",
-     [](Room& r) {
-       divided(r), through(r, {rectangle({0, 0.6, -0.4}, {0, 0, 1.4}, {0, 0.8, 0})});
-     }},
-    {"portal_reaches_into_a_wall",
-     [](Room& r) {
-       divided(r), through(r, {rectangle({-0.2, 0.6, -0.4}, {0.4, 0, 0.8}, {0, 0.8, 0})});
-     }},
-    {"portal_reaches_beyond_the_room",
-     [](Room& r) {
-       divided(r), through(r, {rectangle({0, -1, -2}, {0, 0, 4}, {0, 4, 0})});
-     }},
-    {"portal_of_area_0",
-     [](Room& r) {
-       divided(r), through(r, {{"flat", {{0, 1, 0}, {0, 1, 0}, {0, 1.2, 0}}, {{0, 1, 2}}, {}}});
-     }},
-    {"portal_folded",
-     [](Room& r) {
-       divided(r);
-       Portal half = rectangle({0, 0.6, -0.4}, {0, 0, 0.4}, {0, 0.8, 0});
-       through(r, {half, rectangle({0, 0.6, 0}, {0.3, 0, 0.3}, {0, 0.8, 0})});
-     }},
-    {"portal_with_its_back_to_the_camera",
-     [](Room& r) {
-       divided(r), through(r, {rectangle({0, 0.6, -0.4}, {0, 0.8, 0}, {0, 0, 0.8})});
-     }},
-    {"portal_twice_the_same",
-     [](Room& r) {
-       divided(r), through(r, {r.portals[0], r.portals[0]});
-     }},
-    {"camera_in_the_opening",
-     [](Room& r) {
-       divided(r), sees(r, {0, 1, 0}, {-1, 1, 0});
-     }},
-    {"camera_looks_along_the_opening",
-     [](Room& r) {
-       divided(r), sees(r, {0, 1, 0}, {0, 1, 1});
-     }},
-    {"camera_in_the_portals_plane",
-     [](Room& r) {
-       divided(r), sees(r, {0, 0.3, 0}, {-1, 1, 0});
-     }},
-    {"camera_behind_the_portal",
-     [](Room& r) {
-       divided(r), sees(r, {0.7, 1.3, 0}, {-1, 1, 0});
-     }},
-    {"lamp_in_the_opening",
-     [](Room& r) {
-       divided(r),
-           r.parts.add(sheet({0, 0.8, -0.2}, {0, 0, 0.4}, {0, 0.4, 0}), r.parts.lamp(1, true));
-     }},
-    // Radiance and surfaces.
-    {"radiance_1e_30", [](Room& r) { r.radiance = 1e-30; }},
-    {"radiance_1e30", [](Room& r) { r.radiance = 1e30; }},
-    {"100_352_lamps",
-     [](Room& r) {
-       r.top.clear();
-       for (int i = 0; i < 224; ++i)
-         for (int j = 0; j < 224; ++j)
-           r.top = std::move(r.top) +
-                   sheet({-1 + i / 112.0, 2, -1 + j / 112.0}, {1 / 112.0, 0, 0}, {0, 0, 1 / 112.0});
-     }},
+    {"mirrored_and_stretched", [](Room& r) { scaled(r, -1, -2, -1); }},
+    {"far_things_at_the_horizon", far_things},
+    {"bad_triangles", bad_triangles},
+    {"floor_of_10000_strips", strips},
+    {"t_junctions_rotated", t_junctions},
+    {"wrong_portals", wrong_portals},
+    {"camera_in_the_opening_of_a_thin_wall", camera_in_the_opening},
+    {"lamp_in_the_opening", lamp_in_the_opening},
+    {"100_352_lamps", many_lamps},
     {"metal_of_roughness_0", [](Room& r) { metal(r, 0, 0.01); }},
-    {"metal_of_roughness_1e_6", [](Room& r) { metal(r, 1e-6, 0.01); }},
     {"metal_of_roughness_0_02", [](Room& r) { metal(r, 0.02, 0.01); }},
-    // Pictures.
     {"picture_of_1_pixel", [](Room& r) { r.width = r.height = 1; }},
-    {"picture_of_16384_x_1",
-     [](Room& r) { r.width = 16384, r.height = 1, r.runs = 3, r.integrators = {&tdpt_guided}; }},
+    {"picture_of_16384_x_1", wide_picture},
     {"field_of_view_0_001", [](Room& r) { r.yfov = 0.001 * std::numbers::pi / 180; }},
     {"field_of_view_179", [](Room& r) { r.yfov = 179 * std::numbers::pi / 180; }},
 };
@@ -265,32 +191,19 @@ uint64_t spp_of(const Vista& vista, uint64_t samples) {
 TEST_P(white_room, shows_the_radiance_of_its_ceiling) {
   Room room;
   GetParam().make(room);
-  const double L = room.radiance;
   const Scene scene = room.read();
   const Vista vista(scene, scene.camera(""), room.width, room.height, room.portals);
   const MeanAndError by_pt = rendered(vista, pt, spp_of(vista, 48), 2);
-  EXPECT_NEAR(by_pt.mean / L, 1, 1e-5 + room.lost);
+  EXPECT_NEAR(by_pt.mean, 1, 1e-5 + room.lost);
   for (const Integrator* integrator : room.integrators) {
     const MeanAndError r = rendered(vista, *integrator, spp_of(vista, room.samples), room.runs);
-    std::printf("%-11s %8.4f +- %.4f\n", integrator->name, r.mean / L, r.error / L);
-    EXPECT_LT(std::abs(r.mean - L), 6 * r.error + (1e-5 + room.lost) * L) << integrator->name;
-    EXPECT_LT(r.error, 0.15 * L) << integrator->name;
+    EXPECT_LT(std::abs(r.mean - 1), 6 * r.error + 1e-5 + room.lost) << integrator->name;
+    EXPECT_LT(r.error, 0.15) << integrator->name;
   }
 }
 
 INSTANTIATE_TEST_SUITE_P(extremes, white_room, ::testing::ValuesIn(kExtremes),
                          [](const auto& row) { return std::string(row.param.name); });
-
-// A crack of a thousandth of the wall.
-TEST(white_room_twin, a_leak_is_caught) {
-  Room room;
-  room.walls = open_box(kLow, {0.999, 2, 1});
-  room.walls.erase(room.walls.begin() + 2, room.walls.begin() + 4);
-  room.stands(sheet({1, 0, -1}, {0, 0, 2}, {0, 2, 0}));
-  const Scene scene = room.read();
-  const Vista vista(scene, scene.camera(""), room.width, room.height, {});
-  EXPECT_LT(rendered(vista, pt, 64, 2).mean, 1 - 1e-4);
-}
 
 // The light in a closed box under a sky, a sun and a lamp, with a portal in a wall and one through
 // two. `apart`: of a wall from the others.
@@ -315,23 +228,26 @@ double light_in_box(const Vec3d& size, const nlohmann::ordered_json& placed, dou
 TEST(white_room, closed_boxes_keep_light_out) {
   using Json = nlohmann::ordered_json;
   const Json turned = {{"rotation", {0.1, 0.7, -0.3, 0.64}}, {"translation", {30, -20, 10}}};
-  for (const Integrator* integrator : integrators_under_test()) {
+  for (const Integrator* integrator : {&nee, &tdpt_org, &tdpt_guided}) {
     EXPECT_EQ(light_in_box({4, 3, 4}, {}, 0, *integrator), 0) << integrator->name;
     // Long and narrow: a thousand times as much of the walls lies at their edges.
     EXPECT_EQ(light_in_box({4, 0.008, 0.006}, {}, 0, *integrator), 0) << integrator->name;
     EXPECT_EQ(light_in_box({4, 0.02, 0.03}, turned, 0, *integrator), 0) << integrator->name;
     EXPECT_EQ(light_in_box({4e3, 8, 6}, {}, 0, *integrator), 0) << integrator->name;
     EXPECT_EQ(light_in_box({4e-3, 8e-6, 6e-6}, {}, 0, *integrator), 0) << integrator->name;
+    // Twin: a crack of a hundredth.
+    EXPECT_GT(light_in_box({4, 0.008, 0.006}, {}, 8e-5, *integrator), 0) << integrator->name;
   }
 }
-TEST(white_room_twin, a_crack_of_a_hundredth_is_caught) {
-  for (const Integrator* integrator : integrators_under_test())
-    EXPECT_GT(light_in_box({4, 0.008, 0.006}, {}, 8e-5, *integrator), 0) << integrator->name;
-}
 
-TEST(white_room_twin, a_portal_density_off_by_a_fifth_is_caught) {
-  Room room;
-  const Scene scene = room.read();
+// Of a thousandth of the wall, and a portal density off by a fifth.
+TEST(white_room_twin, a_leak_and_a_density_are_caught) {
+  Room leaky, room;
+  leaky.walls = open_box(kLow, {0.999, 2, 1});
+  leaky.walls.erase(leaky.walls.begin() + 2, leaky.walls.begin() + 4);
+  leaky.stands(sheet({1, 0, -1}, {0, 0, 2}, {0, 2, 0}));
+  const Scene leak = leaky.read(), scene = room.read();
+  EXPECT_LT(rendered(Vista(leak, leak.camera(""), 8, 6, {}), pt, 64, 2).mean, 1 - 1e-4);
   Vista vista(scene, scene.camera(""), room.width, room.height, room.portals);
   vista.openings.portals = PortalSetFaults::scaled(vista.openings.portals, 0.8);
   const MeanAndError r = rendered(vista, tdpt_ref, spp_of(vista, room.samples), room.runs);
@@ -352,32 +268,24 @@ TEST(white_room, in_units_of_powers_of_two_has_the_same_bytes) {
   const std::vector<Rgb> plain = picture_of([](Room&) {});
   EXPECT_EQ(plain, picture_of([](Room& r) { scaled(r, 0x1p-20, 0x1p-20, 0x1p-20); }));
   EXPECT_EQ(plain, picture_of([](Room& r) { scaled(r, 0x1p20, 0x1p20, 0x1p20); }));
-  EXPECT_NE(plain, picture_of([](Room& r) { scaled(r, 1, 1, 1.001); }));  // twin
-}
-
-double largest_difference(const std::vector<Rgb>& a, const std::vector<Rgb>& b) {
-  double largest = 0;
-  for (size_t i = 0; i < a.size(); ++i)
-    largest = std::max(largest, double{max_component(max(a[i] - b[i], b[i] - a[i]))});
-  return largest;
+  // The frame is that of the room: with triangles at the horizon nothing is rounded otherwise.
+  EXPECT_EQ(plain, picture_of([](Room& r) {
+              r.stands({{{1e4, -3, 1e4}, {1e4, -2, 1e4}, {1e4, -3, 1e4 + 1}},
+                        {{0, -5e6, 0}, {1, -5e6, 0}, {0, -5e6, 1}}});
+            }));
 }
 
 // The same paths; rounding moves the camera by 1e-9.
 TEST(white_room, moved_by_1e7_sizes_away_has_the_same_pixels) {
   const std::vector<Rgb> plain = picture_of([](Room&) {});
-  EXPECT_LT(largest_difference(plain, picture_of([](Room& r) { moved(r, 2e7); })), 1e-5);
-  EXPECT_GT(largest_difference(plain, picture_of([](Room& r) { scaled(r, 1, 1, 1.001); })), 1e-3);
-}
-
-// The frame is that of the room: nothing is rounded otherwise.
-TEST(white_room, a_triangle_at_the_horizon_changes_no_byte) {
-  const std::vector<Rgb> plain = picture_of([](Room&) {});
-  EXPECT_EQ(plain, picture_of([](Room& r) {
-              r.stands({{{1e4, -3, 1e4}, {1e4, -2, 1e4}, {1e4, -3, 1e4 + 1}}});
-            }));
-  EXPECT_EQ(plain, picture_of([](Room& r) {
-              r.stands({{{0, -5e6, 0}, {1, -5e6, 0}, {0, -5e6, 1}}});
-            }));
+  const auto most_off = [&](const std::vector<Rgb>& other) {
+    double most = 0;
+    for (size_t i = 0; i < plain.size(); ++i)
+      most = std::max(most, length(Vec3d(plain[i]) - Vec3d(other[i])));
+    return most;
+  };
+  EXPECT_LT(most_off(picture_of([](Room& r) { moved(r, 2e7); })), 1e-5);
+  EXPECT_GT(most_off(picture_of([](Room& r) { scaled(r, 1, 1, 1.001); })), 1e-3);  // twin
 }
 
 TEST(white_room, what_a_ground_at_an_angle_costs_is_said) {
@@ -391,29 +299,7 @@ TEST(white_room, what_a_ground_at_an_angle_costs_is_said) {
   EXPECT_TRUE(warnings({{"rotation", {0, 0.6, 0, 0.8}}}).empty());
   const std::vector<std::string> said = warnings({{"rotation", {0.1, 0.7, -0.3, 0.64}}});
   ASSERT_EQ(said.size(), 1u);
-  EXPECT_NE(said[0].find("passes what stands around the cameras, at an angle to all axes: rays "
-                         "start 0.03 m off surfaces, and the picture is wrong by about 1 %"),
-            std::string::npos)
-      << said[0];
-}
-
-// Doubles hold positions to 1e-16 of their distance, a file's floats to 1e-7.
-TEST(far_from_the_origin, what_rounding_leaves_of_a_scene_is_said) {
-  const auto warnings = [](double places, double node) {
-    SceneParts parts;
-    const int grey = parts.material(0.5);
-    parts.add(open_box(kLow + Vec3d(places), kHigh + Vec3d(places)), grey);
-    parts.camera({places, places + 1, places}, {places, places, places});
-    parts.below({{"translation", {node, 0, 0}}});
-    return parts.read().warnings;
-  };
-  for (const auto& [places, node] : {std::pair{0.0, 0.0}, {0.0, 2e7}, {0.0, 1e11}, {1000.0, 0.0}})
-    EXPECT_TRUE(warnings(places, node).empty()) << places << " " << node;
-  ASSERT_EQ(warnings(0, 4e15).size(), 1u);
-  EXPECT_EQ(warnings(0, 4e15)[0],
-            "the scene lies so far from the origin that its vertices are known to 0.4 m only, 0.2 "
-            "of its size");
-  EXPECT_EQ(warnings(1e5, 0).size(), 1u);
+  EXPECT_NE(said[0].find("the picture is wrong by about 1 %"), std::string::npos) << said[0];
 }
 
 }  // namespace tdpt::extremes_white_room_test

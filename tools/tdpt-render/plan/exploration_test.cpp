@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "tools/tdpt-render/run/report.h"
-#include "tools/tdpt-render/testing/known_paths.h"
+#include "tools/tdpt-render/testing/rooms.h"
 #include "tools/tdpt-render/testing/rendering.h"
 #include "tools/tdpt-render/testing/sky.h"
 

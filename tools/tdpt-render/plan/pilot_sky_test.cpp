@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tools/tdpt-render/testing/known_paths.h"
+#include "tools/tdpt-render/testing/rooms.h"
 #include "tools/tdpt-render/testing/known_windows.h"
 #include "tools/tdpt-render/testing/told.h"
 

@@ -2,15 +2,11 @@
 #include "tools/tdpt-render/portals/given_portals.h"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
-
-#include <cmath>
-#include <filesystem>
-#include <fstream>
 
 #include "libcommon/base/error.h"
 #include "libcommon/formats/viewpoint.h"
 #include "libcommon/options/shot_options.h"
+#include "libcommon/testing/files/temp_folder.h"
 #include "tools/tdpt-render/portals/portals.h"
 #include "tools/tdpt-render/testing/rooms.h"
 
@@ -18,15 +14,13 @@ namespace tdpt::given_portals_test {
 
 using Strings = std::vector<std::string>;
 
+/// Whether there is one sentence, and it holds `part`.
+bool says(const Strings& sentences, const std::string& part) {
+  return sentences.size() == 1 && sentences[0].find(part) != std::string::npos;
+}
+
 class given_portals : public ::testing::Test {
  protected:
-  given_portals()
-      : folder_(std::filesystem::temp_directory_path() /
-                ("given_portals_test." + std::to_string(::getpid()))) {
-    std::filesystem::create_directories(folder_);
-  }
-  ~given_portals() override { std::filesystem::remove_all(folder_); }
-
   GivenPortals given(const std::vector<Portal>& portals, const std::string& hash = "",
                      const std::string& made_for = "") const {
     PortalFile file;
@@ -36,10 +30,10 @@ class given_portals : public ::testing::Test {
     return given(file, scene_.camera(""));
   }
   GivenPortals given(const PortalFile& file, const Camera& camera, bool frame = false) const {
-    const std::string path = (folder_ / "drawn.glb").string();
-    std::ofstream(path, std::ios::binary) << portal_bytes(file);
-    return read_given_portals(path, scene_, camera, frame);
+    return read_given_portals(folder_.write("drawn.glb", portal_bytes(file)), scene_, camera,
+                              frame);
   }
+  /// The message, without the place; empty: it is taken.
   std::string refused(const Portal& portal) const {
     try {
       given({portal_in_the_hole(), portal});
@@ -48,13 +42,13 @@ class given_portals : public ::testing::Test {
       EXPECT_EQ(text.find("drawn.glb:portal.1: "), text.rfind("drawn.glb"));
       return text.substr(text.find(": ") + 2);
     }
-    return "no error";
+    return "";
   }
 
   Scene scene_ = read_gltf(two_rooms_path());
 
  private:
-  std::filesystem::path folder_;
+  const testing::TempFolder folder_;
 };
 
 Portal scaled(Portal portal, double factor) {
@@ -95,86 +89,67 @@ TEST_F(given_portals, what_is_flat_is_taken_as_drawn) {
 }
 
 TEST_F(given_portals, what_is_not_flat_is_refused) {
-  const std::string sentence =
-      "is not flat: its corners lie up to 0.0033 m off one plane, at most 0.5 % of its width is "
-      "taken; flatten it, or draw a portal for each flat part";
-  EXPECT_EQ(refused(bent(0.01)), sentence);
+  EXPECT_TRUE(refused(bent(0.01)).starts_with("is not flat: its corners lie up to 0.0033 m off"));
   const auto is_not_flat = [&](const Portal& portal) {
     return refused(portal).starts_with("is not flat: ");
   };
   EXPECT_FALSE(is_not_flat(bent(0.003)));
-  EXPECT_TRUE(is_not_flat(bent(0.1)));
-  Portal roof = portal_in_the_hole(), body = roof, two = roof;
+  Portal roof = portal_in_the_hole(), two = roof;
   roof.vertices.push_back({2.06, 0.875, -0.125});
   roof.vertices.push_back({2.06, 0.875, 0.125});
   roof.triangles.insert(roof.triangles.end(), {{3, 2, 5}, {3, 5, 4}});
   EXPECT_TRUE(is_not_flat(roof));
-  for (const Vec3d& v : portal_in_the_hole().vertices)
-    body.vertices.push_back(v + Vec3d(0.1, 0, 0));
-  body.triangles = {{0, 1, 2}, {0, 2, 3}, {4, 6, 5}, {4, 7, 6}, {0, 5, 1}, {0, 4, 5},
-                    {1, 6, 2}, {1, 5, 6}, {2, 7, 3}, {2, 6, 7}, {3, 4, 0}, {3, 7, 4}};
-  EXPECT_TRUE(is_not_flat(body));
-  // Two openings in one mesh, in walls that face each other.
+  // Two openings in one mesh, in walls that face each other; and with what is between them.
   for (const Vec3d& v : portal_in_the_hole().vertices) two.vertices.push_back(v - Vec3d(1, 0, 0));
   two.triangles.insert(two.triangles.end(), {{4, 6, 5}, {4, 7, 6}});
+  EXPECT_TRUE(is_not_flat(two));
+  two.triangles.insert(two.triangles.end(), {{0, 5, 1}, {0, 4, 5}, {1, 6, 2}, {1, 5, 6}});
   EXPECT_TRUE(is_not_flat(two));
 }
 
 TEST_F(given_portals, one_without_an_area_that_counts_is_refused) {
   const Portal hole = portal_in_the_hole();
   const Portal speck = rectangle(hole.vertices[0], {0, 0, 1e-12}, {0, 1e-12, 0});
-  EXPECT_EQ(refused(speck), "is too small, its area is 1e-24 m2; draw it as large as its opening");
+  EXPECT_TRUE(refused(speck).starts_with("is too small, its area is 1e-24 m2"));
   const Portal small = rectangle(hole.vertices[0], {0, 0, 1e-6}, {0, 1e-6, 0});
   EXPECT_EQ(PortalSet(given({small}).file.portals, scene_.frame).size(), 3u);
 }
 
 TEST_F(given_portals, one_far_from_the_scene_is_refused) {
-  EXPECT_EQ(
-      refused(scaled(portal_in_the_hole(), 100)),
-      "reaches 200 m beyond the scene, which is 4.1 m wide; draw it in its opening, in metres");
+  EXPECT_TRUE(refused(scaled(portal_in_the_hole(), 100)).starts_with("reaches 200 m beyond"));
   EXPECT_TRUE(refused(rectangle({1, -100, -80}, {0, 0, 160}, {0, 120, 0})).starts_with("reaches"));
   EXPECT_TRUE(refused(scaled(portal_in_the_hole(), 1e12)).starts_with("reaches"));
   // Light from infinity passes in front of a house, too; a lamp out there is part of the scene.
   const auto at = [](double z) { return rectangle({2, 0.8, z}, {0, 0, 0.25}, {0, 0.25, 0}); };
-  EXPECT_EQ(refused(at(10)), "no error");
-  EXPECT_EQ(refused(at(-10)), "no error");
-  EXPECT_NE(refused(at(30)), "no error");
+  EXPECT_EQ(refused(at(10)), "");
+  EXPECT_EQ(refused(at(-10)), "");
+  EXPECT_NE(refused(at(30)), "");
   scene_.lights = {PunctualLight()};
   scene_.lights[0].kind = PunctualLight::Kind::point;
   scene_.lights[0].position = scene_.frame.to_canonical({2, 0.8, 40});
-  EXPECT_EQ(refused(at(30)), "no error");
+  EXPECT_EQ(refused(at(30)), "");
 }
 
-TEST_F(given_portals, of_another_state_of_the_scene_they_are_used_with_a_word) {
+TEST_F(given_portals, for_another_scene_or_camera_they_are_used_with_a_word) {
   const GivenPortals one = given({portal_in_the_hole()}, "0123");
   EXPECT_EQ(one.file.portals.size(), 1u);
   EXPECT_EQ(one.warnings, Strings{});
-  ASSERT_EQ(one.notes.size(), 1u);
-  EXPECT_NE(one.notes[0].find("drawn.glb was made for another state of the scene"),
-            std::string::npos);
+  EXPECT_TRUE(says(one.notes, "another state of the scene"));
   EXPECT_EQ(given({portal_in_the_hole()}, scene_.hash).notes, Strings{});
-}
-
-TEST_F(given_portals, for_another_camera_they_are_used_with_a_warning) {
-  const Camera own = scene_.camera("");
+  EXPECT_TRUE(says(given({}).notes, "there is no portal in "));
   const auto warned = [&](const Camera& made_for) {
     return given({portal_in_the_hole()}, scene_.hash, viewpoint_text(scene_.frame, made_for))
         .warnings;
   };
-  EXPECT_EQ(warned(own), Strings{});
-  Camera other = own;
+  Camera other = scene_.camera("");
   other.name = "another name for the same";
   EXPECT_EQ(warned(other), Strings{});
   other.name = "door";
-  other.position = other.position + other.right * (1.5 * scene_.frame.scale);
-  const Strings told = warned(other);
-  ASSERT_EQ(told.size(), 1u);
-  EXPECT_EQ(told[0].substr(told[0].find("its portals")),
-            "its portals were found for camera \"door\"; \"camera\" is 1.5 m away: portals belong "
-            "to a camera");
-  other = own;
   other.culls = true;
   EXPECT_EQ(warned(other).size(), 1u);
+  other.culls = false;
+  other.position = other.position + other.right * (1.5 * scene_.frame.scale);
+  EXPECT_TRUE(says(warned(other), "for camera \"door\"; \"camera\" is 1.5 m away"));
 }
 
 TEST_F(given_portals, those_of_other_cameras_of_the_file_are_left_out) {
@@ -193,19 +168,13 @@ TEST_F(given_portals, those_of_other_cameras_of_the_file_are_left_out) {
   ASSERT_EQ(mine.file.portals.size(), 2u);
   EXPECT_EQ(mine.file.portals[0].name, "portal.1");
   EXPECT_EQ(mine.file.portals[0].figures.at("flux_share"), 0.25);
-  ASSERT_EQ(mine.notes.size(), 1u);
-  EXPECT_NE(mine.notes[0].find("drawn.glb: 1 of its 3 portals serve other cameras"),
-            std::string::npos);
+  EXPECT_TRUE(says(mine.notes, "1 of its 3 portals serve other cameras"));
   // A camera that the file does not know has all of them.
   Camera other = own;
   other.position = other.position + other.right * (3 * scene_.frame.scale);
   const GivenPortals all = given(file, other);
   EXPECT_EQ(all.file.portals.size(), 3u);
-  ASSERT_EQ(all.warnings.size(), 1u);
-  EXPECT_NE(
-      all.warnings[0].find("its portals were found for camera \"camera\"; \"camera\" is 3 m away"),
-      std::string::npos)
-      << all.warnings[0];
+  EXPECT_TRUE(says(all.warnings, "\"camera\" is 3 m away"));
 }
 
 TEST_F(given_portals, those_for_poses_of_a_shot_are_all_taken_without_a_word) {
@@ -230,17 +199,7 @@ TEST_F(given_portals, those_for_poses_of_a_shot_are_all_taken_without_a_word) {
   EXPECT_EQ(given(file, other, 4).warnings.size(), 1u);
   const GivenPortals of_a_picture = given(file, own);
   EXPECT_EQ(of_a_picture.warnings.size(), 1u);
-  ASSERT_EQ(of_a_picture.notes.size(), 1u);
-  EXPECT_NE(of_a_picture.notes[0].find("drawn.glb was made for the scene at another time of its "
-                                       "animations"),
-            std::string::npos);
-}
-
-TEST_F(given_portals, a_file_without_portals_is_a_note) {
-  const GivenPortals none = given({});
-  EXPECT_EQ(none.warnings, Strings{});
-  ASSERT_EQ(none.notes.size(), 1u);
-  EXPECT_NE(none.notes[0].find("there is no portal in "), std::string::npos);
+  EXPECT_TRUE(says(of_a_picture.notes, "another time of its animations"));
 }
 
 TEST_F(given_portals, the_scene_itself_and_other_large_meshes_are_refused) {

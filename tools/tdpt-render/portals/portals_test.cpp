@@ -5,43 +5,16 @@
 
 #include <gtest/gtest.h>
 
-#include "tools/tdpt-render/testing/faults.h"
-
 namespace tdpt::portals_test {
 
-// Unit square in the plane z = 0 with normal +z, and a second one, twice as large, in x = 5.
+// Unit square in the plane z = 0 with normal +z.
 Portal square() {
   return {"a", {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}, {{0, 1, 2}, {0, 2, 3}}, {}};
-}
-Portal far_square() {
-  return {"b", {{5, 0, 0}, {5, 2, 0}, {5, 2, 1}, {5, 0, 1}}, {{0, 1, 2}, {0, 2, 3}}, {}};
 }
 const Frame kMetres{};
 // C of a rectangle within it, and beside it in its surround.
 const double kShare = shader::kSurroundShare, kLarger = 1 + 2 * double{shader::kSurroundMargin};
 const double kBeside = kShare / (kLarger * kLarger), kWithin = 1 - kShare + kBeside;
-
-TEST(portals, density_is_p_q_over_area_and_pi) {
-  const PortalSet one({square()}, kMetres);
-  EXPECT_DOUBLE_EQ(one.density({0.3, 0.2, -1}, {0.3, 0.2, 1}), kWithin / std::numbers::pi);
-  EXPECT_DOUBLE_EQ(one.density({0.2, 0.7, -1}, {0.2, 0.8, 9}), kWithin / std::numbers::pi);
-  for (const double x : {-0.09, 1.09})
-    EXPECT_DOUBLE_EQ(one.density({x, 0.2, -1}, {x, 0.2, 1}), kBeside / std::numbers::pi);
-  const PortalSet two({square(), far_square()}, kMetres);  // total area 3
-  EXPECT_DOUBLE_EQ(two.density({0.3, 0.2, -1}, {0.3, 0.2, 1}), kWithin / (3 * std::numbers::pi));
-}
-
-TEST(portals, a_segment_that_crosses_two_portals_has_both_densities) {
-  Portal above = square();
-  for (Vec3d& v : above.vertices) v.z += 0.5;
-  for (Vec3d& v : above.vertices) v.y += 0.9;  // no pair
-  above.vertices[1].z = above.vertices[2].z = -0.1;
-  const PortalSet set({square(), above}, kMetres);
-  ASSERT_EQ(set.pairs(), 0u);
-  const double each = kWithin / (1 - kShare) * set.polygon(0).density;
-  EXPECT_NEAR(set.density({0.3, 0.95, -1}, {0.3, 0.95, 1}), 2 * each, 1e-12);
-  EXPECT_NEAR(set.density({0.3, 0.95, -1}, {0.3, 0.95, 0.2}), each, 1e-12);
-}
 
 TEST(portals, one_behind_the_other_has_segments_drawn_through_both) {
   Portal above = square();
@@ -81,34 +54,6 @@ TEST(portals, the_surround_is_a_rectangle_a_tenth_larger_on_all_sides) {
     EXPECT_GT(std::min(b1, b2), shader::kSurroundMargin / kLarger - 1e-12);
     EXPECT_LT(std::max(b1, b2), 1 - shader::kSurroundMargin / kLarger + 1e-12);
   }
-}
-
-TEST(portals, a_planted_fault_scales_the_density_of_triangles_and_pairs_and_no_sample) {
-  Portal above = square();
-  for (Vec3d& v : above.vertices) v.z += 0.5;
-  const PortalSet set({square(), above}, kMetres), spoilt = PortalSetFaults::scaled(set, 1.05);
-  for (const Vec3d& end : {Vec3d(0.3, 0.2, 0.2), Vec3d(0.3, 0.2, 1), Vec3d(1.3, 0.2, 1)}) {
-    const Vec3d from(0.3, 0.2, -1);
-    EXPECT_DOUBLE_EQ(spoilt.density(from, end), 1.05 * set.density(from, end));
-  }
-  Rng rng(1, 0, 0), same(1, 0, 0);
-  EXPECT_EQ(set.sample(rng).direction, spoilt.sample(same).direction);
-}
-
-TEST(portals, beside_or_across_each_other_are_no_pair) {
-  Portal beside = square(), across = square();
-  for (Vec3d& v : beside.vertices) v.x += 2;
-  for (Vec3d& v : across.vertices) v = {v.x, v.z + 0.5, v.y - 0.5};
-  EXPECT_EQ(PortalSet({square(), beside}, kMetres).pairs(), 0u);
-  EXPECT_EQ(PortalSet({square(), across}, kMetres).pairs(), 0u);
-}
-
-TEST(portals, no_density_against_the_normal_beside_the_portal_or_short_of_it) {
-  const PortalSet set({square()}, kMetres);
-  EXPECT_EQ(set.density({0.3, 0.2, 1}, {0.3, 0.2, -1}), 0);
-  EXPECT_EQ(set.density({1.3, 0.2, -1}, {1.3, 0.2, 1}), 0);
-  EXPECT_EQ(set.density({0.3, 0.2, -1}, {0.3, 0.2, -0.1}), 0);
-  EXPECT_EQ(set.density({0.3, 0.2, 0.1}, {0.3, 0.2, 1}), 0);
 }
 
 TEST(portals, the_sampled_polygon_is_always_counted) {
@@ -284,42 +229,6 @@ TEST(portals, degenerate_triangles_are_dropped_and_no_portal_is_empty) {
   const Portal line{"l", {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}}, {{0, 1, 2}}, {}};
   EXPECT_TRUE(PortalSet({line}, kMetres).empty());
   EXPECT_TRUE(PortalSet({}, kMetres).empty());
-}
-
-// Samples of the triangles of two squares binned by square (1:2 by area), quarter of the square and
-// cos^2 (cos^2 is uniform for a cosine distribution); chi-square against probabilities skewed by
-// `fault`.
-bool samples_hold(double fault) {
-  const PortalSet set({square(), far_square()}, kMetres);
-  std::array<double, 2 * 4 * 4> hits{}, expected{};
-  Rng rng(9, 0, 0);
-  const int n = 200000;
-  for (int i = 0; i < n; ++i) {
-    PortalSet::SegmentDraw s = set.sample(rng);
-    while (set.polygon(s.drawn.polygon).surround) s = set.sample(rng);
-    const bool far = set.polygon(s.drawn.polygon).facet > 0;
-    const double u = far ? s.position.y / 2 : s.position.x;
-    const double v = far ? s.position.z : s.position.y;
-    const double c = dot(s.direction, set.polygon(s.drawn.polygon).normal);
-    EXPECT_GE(c, 0);
-    const auto bin = [](double x, int bins) {
-      return std::clamp(static_cast<int>(x * bins), 0, bins - 1);
-    };
-    const int b = ((far ? 4 : 0) + 2 * bin(u, 2) + bin(v, 2)) * 4 + bin(c * c, 4);
-    hits[static_cast<size_t>(b)] += 1;
-  }
-  double chi2 = 0;
-  for (size_t b = 0; b < hits.size(); ++b) {
-    expected[b] = n * (b < 16 ? 1.0 / 3 : 2.0 / 3) / 16 * (b == 20 ? fault : 1);
-    chi2 += (hits[b] - expected[b]) * (hits[b] - expected[b]) / expected[b];
-  }
-  return chi2 < 61.1;  // 31 degrees of freedom: p about 1e-3
-}
-TEST(portals, samples_follow_the_density) {
-  EXPECT_TRUE(samples_hold(1));
-}
-TEST(portals, twin_a_density_off_by_10_percent_in_one_bin_is_caught) {
-  EXPECT_FALSE(samples_hold(1.1));
 }
 
 }  // namespace tdpt::portals_test

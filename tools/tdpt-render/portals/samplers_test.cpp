@@ -1,10 +1,9 @@
-// Every sampler of the renderer follows its density: chi-square over points, directions and
-// segments, each with a twin. Scattering: path/bsdf/bsdf_sampling_test.
+// Samplers follow their density: chi-square over points, directions and segments, each with a twin.
+// Scattering: path/bsdf/bsdf_sampling_test; lights: libcommon/scene/lights_test, sky_test.
 #include <gtest/gtest.h>
 #include <numbers>
 
 #include "libcommon/math/rng.h"
-#include "libcommon/scene/film_plane.h"
 #include "libcommon/scene/lights.h"
 #include "libcommon/testing/statistics/chi_square.h"
 #include "tools/tdpt-render/testing/faults.h"
@@ -26,13 +25,6 @@ size_t triangle_bin(double b1, double b2) {
   // Row i starts after the 2 kLattice - 1, 2 kLattice - 3, ... bins of the rows before it.
   return i * (2 * kLattice - i) + 2 * j + (upper ? 1 : 0);
 }
-size_t square_bin(double b1, double b2) {
-  const auto index = [](double b) {
-    return std::min(static_cast<size_t>(std::max(b * kLattice, 0.0)), kLattice - 1);
-  };
-  return index(b1) * kLattice + index(b2);
-}
-
 double uniform_on_triangle(double exponent) {
   return chi_square_of_samples(kSamples, std::vector<double>(kTriangleBins, 1.0 / kTriangleBins),
                                [&](uint64_t i) {
@@ -73,70 +65,6 @@ TEST(samplers, twin_a_hemisphere_without_the_cosine) {
             kWrong);
 }
 
-// Weights over nine decades, a fifth of them 0; entry 100 gets `factor` times its share.
-double table(double factor) {
-  Rng rng(33, 0, 0);
-  std::vector<double> weights;
-  for (int i = 0; i < 200; ++i) {
-    const double x = rng.uniform();
-    weights.push_back(i % 5 == 3 ? 0 : std::pow(10, -9 * x * x));
-  }
-  weights[100] = 1;
-  const CumulativeTable all(weights);
-  weights[100] *= factor;
-  double total = 0;
-  for (double w : weights) total += w;
-  std::vector<double> probability;
-  for (uint32_t i = 0; i < 200; ++i) {
-    probability.push_back(weights[i] / total);
-    if (factor == 1) {
-      EXPECT_DOUBLE_EQ(probability.back(), all.pdf_1(i));
-    }
-  }
-  return chi_square_of_samples(kSamples * 5, probability,
-                               [&](uint64_t i) {
-                                 Rng draw(33, 1, i);
-                                 const uint32_t k = all.sample(draw.uniform());
-                                 EXPECT_GT(weights[k], 0);
-                                 return size_t{k};
-                               })
-      .p;
-}
-TEST(samplers, cumulative_tables_follow_their_weights) {
-  EXPECT_GT(table(1), kRight);
-}
-TEST(samplers, twin_one_weight_a_fifth_off) {
-  EXPECT_LT(table(1.2), kWrong);
-}
-
-double film(double power) {
-  Camera camera;
-  camera.forward = normalize(Vec3d(1, -0.5, 0.3));
-  camera.right = normalize(cross(camera.forward, Vec3d(0, 1, 0)));
-  camera.up = cross(camera.right, camera.forward);
-  camera.yfov = 1.9;
-  const FilmPlane plane(camera, 64, 40);
-  const SphereBins bins(20, 20);
-  const auto pdf = [&](const Vec3d& w) {
-    double x, y;
-    return plane.raster(w, x, y) ? plane.pdf_w(w) * std::pow(dot(w, camera.forward), power) : 0;
-  };
-  return chi_square_of_samples(kSamples, bins.integrate(pdf),
-                               [&](uint64_t i) {
-                                 Rng rng(34, 0, i);
-                                 const double x = 64 * rng.uniform();
-                                 const double y = 40 * rng.uniform();
-                                 return bins.bin(plane.direction(x, y));
-                               })
-      .p;
-}
-TEST(samplers, pixels_send_rays_with_the_films_density) {
-  EXPECT_GT(film(0), kRight);
-}
-TEST(samplers, twin_a_film_with_a_cosine_too_many) {
-  EXPECT_LT(film(1), kWrong);
-}
-
 // Portals: a quad of two triangles, a fan of an irregular hexagon, both with a sliver, and the quad
 // with another that light crosses after it.
 Portal quad() {
@@ -167,84 +95,6 @@ const std::vector<std::vector<Portal>>& portal_sets() {
       {quad()}, {flat(fan())}, {quad(), flat(fan()), sliver()}, {quad(), ahead()}};
   return sets;
 }
-// A segment drawn through a single portal.
-PortalSet::SegmentDraw through_one(const PortalSet& set, Rng& rng) {
-  PortalSet::SegmentDraw s = set.sample(rng);
-  while (s.drawn.second >= 0) s = set.sample(rng);
-  return s;
-}
-Frame halved() {
-  Frame f;
-  f.centre = {1, 1, 1};
-  f.scale = 0.5;
-  return f;
-}
-
-// Points in bins of equal area in each polygon; `fault` scales the share of the first triangle.
-double portal_points(const std::vector<Portal>& portals, double fault) {
-  const PortalSet set(portals, halved());
-  std::vector<double> shares;
-  double total = 0;
-  for (int q = 0; q < static_cast<int>(set.size()); ++q) {
-    shares.push_back(set.polygon(q).density * set.polygon(q).area);
-    total += shares.back();
-  }
-  std::vector<double> probability;
-  for (size_t q = 0; q < shares.size(); ++q)
-    for (size_t k = 0; k < kTriangleBins; ++k)
-      probability.push_back(shares[q] * (q == 0 ? fault : 1) / total / kTriangleBins);
-  return chi_square_of_samples(kSamples, probability,
-                               [&](uint64_t i) {
-                                 Rng rng(35, 0, i);
-                                 const PortalSet::SegmentDraw s = through_one(set, rng);
-                                 const PortalSet::Polygon& q = set.polygon(s.drawn.polygon);
-                                 const Vec3d at = s.position - q.p0;
-                                 EXPECT_NEAR(dot(q.normal, at), 0, 1e-12);
-                                 const double b1 = dot(q.grad1, at), b2 = dot(q.grad2, at);
-                                 return static_cast<size_t>(s.drawn.polygon) * kTriangleBins +
-                                        (q.surround ? square_bin(b1, b2) : triangle_bin(b1, b2));
-                               })
-      .p;
-}
-TEST(samplers, portals_are_covered_evenly_by_area) {
-  for (const auto& portals : portal_sets()) EXPECT_GT(portal_points(portals, 1), kRight);
-}
-TEST(samplers, twin_a_portals_triangle_with_a_tenth_less) {
-  for (const auto& portals : portal_sets()) EXPECT_LT(portal_points(portals, 0.9), kWrong);
-}
-
-double portal_directions(const std::vector<Portal>& portals, double power) {
-  const PortalSet set(portals, halved());
-  const SphereBins bins(12, 12);
-  double least = 1;
-  for (int q = 0; q < static_cast<int>(set.size()); ++q) {
-    const Vec3d n = set.polygon(q).normal;
-    const auto pdf = [&](const Vec3d& w) {
-      return 0.5 * (power + 1) * std::pow(std::max(dot(w, n), 0.0), power) * std::numbers::inv_pi;
-    };
-    // Only samples of this triangle; the others are drawn and dropped.
-    std::vector<uint64_t> counts(bins.size());
-    uint64_t kept = 0;
-    for (uint64_t i = 0; i < kSamples; ++i) {
-      Rng rng(36, 0, i);
-      const PortalSet::SegmentDraw s = through_one(set, rng);
-      if (s.drawn.polygon != q) continue;
-      ++kept;
-      ++counts[bins.bin(s.direction)];
-    }
-    std::vector<double> expected = bins.integrate(pdf);
-    for (double& e : expected) e *= static_cast<double>(kept);
-    least = std::min(least, chi_square(counts, expected).p);
-  }
-  return least;
-}
-TEST(samplers, directions_through_portals_are_cosine_distributed) {
-  for (const auto& portals : portal_sets()) EXPECT_GT(portal_directions(portals, 1), kRight);
-}
-TEST(samplers, twin_directions_through_portals_taken_for_uniform) {
-  for (const auto& portals : portal_sets()) EXPECT_LT(portal_directions(portals, 0), kWrong);
-}
-
 // Segments by where and in which direction they cross a plane unrelated to the portals. Their
 // density there is D |cos|, D = density() [eq. 4 without G], whichever polygon they were drawn
 // from. `fault(D, cos)` is the density under test.
@@ -361,48 +211,6 @@ size_t kind_of(const Lights::Point& p) {
   return static_cast<size_t>(all_round ? PunctualLight::Kind::point : PunctualLight::Kind::spot);
 }
 
-// Places: bins of area in each triangle, and one for each lamp.
-double light_places(double fault) {
-  const Scene scene = lamps();
-  const Lights lights(scene);
-  const LightSelection selection(lights);
-  std::vector<double> probability;
-  for (uint32_t t = 0; t < scene.triangles.size(); ++t)
-    for (size_t k = 0; k < kTriangleBins; ++k)
-      probability.push_back(selection.pdf_A(t) * shape_of(scene, t).area / kTriangleBins *
-                            (t == 2 ? fault : 1));
-  const size_t first_lamp = probability.size();
-  // Found by sampling: lamps are identified only by their kind.
-  std::array<double, 3> lamp_pdf{};
-  for (uint64_t i = 0; i < 1000; ++i) {
-    Rng rng(38, 0, i);
-    const Lights::Point p = selection.sample(rng);
-    if (!p.source->met()) lamp_pdf[kind_of(p)] = p.pdf;
-  }
-  for (double p : lamp_pdf) {
-    EXPECT_GT(p, 0);
-    probability.push_back(p);
-  }
-  return chi_square_of_samples(
-             kSamples, probability,
-             [&](uint64_t i) {
-               Rng rng(38, 1, i);
-               const Lights::Point p = selection.sample(rng);
-               if (!p.source->met()) return first_lamp + kind_of(p);
-               EXPECT_EQ(p.pdf, selection.pdf_A(p.triangle));
-               const TriangleShape shape = shape_of(scene, p.triangle);
-               EXPECT_LT(length(shape.p0 + shape.e1 * p.b1 + shape.e2 * p.b2 - p.position), 1e-12);
-               return p.triangle * kTriangleBins + triangle_bin(p.b1, p.b2);
-             })
-      .p;
-}
-TEST(samplers, places_on_lights_have_their_density) {
-  EXPECT_GT(light_places(1), kRight);
-}
-TEST(samplers, twin_a_lamps_second_side_forgotten) {
-  EXPECT_LT(light_places(0.5), kWrong);
-}
-
 // Directions in which light leaves triangle 2 (both sides), triangle 0, the spot and the point.
 enum class Source { both_sides, one_side, spot, point };
 double light_directions(Source source, double power) {
@@ -443,41 +251,6 @@ TEST(samplers, light_leaves_lamps_with_their_density) {
 TEST(samplers, twin_light_that_leaves_lamps_with_another_density) {
   for (Source s : {Source::both_sides, Source::one_side, Source::spot, Source::point})
     EXPECT_LT(light_directions(s, 1), kWrong) << static_cast<int>(s);
-}
-
-// The sun's rays cross the plane through the origin uniformly within the disc: rings and sectors of
-// equal area.
-double sun_places(double exponent) {
-  const Scene scene = lamps();
-  const Lights lights(scene);
-  const LightSelection selection(lights);
-  constexpr size_t kRings = 8, kSectors = 8;
-  std::vector<uint64_t> counts(kRings * kSectors);
-  double kept = 0;
-  for (uint64_t i = 0; kept < 20000; ++i) {
-    Rng rng(40, 0, i);
-    const Lights::Point p = selection.sample(rng);
-    if (!p.source->at_infinity()) continue;
-    const double u = rng.uniform();
-    const double v = rng.uniform();
-    const Lights::Ray ray = lights.leave(p, u, v);
-    const Onb<double> onb(ray.direction);
-    const double x = dot(onb.x, ray.origin), y = dot(onb.y, ray.origin);
-    const double share =
-        std::pow((x * x + y * y) * std::numbers::pi / p.source->cos_per_pdf_w({}), exponent);
-    EXPECT_LE(share, 1 + 1e-12);
-    const double turn = std::atan2(y, x) / (2 * std::numbers::pi) + 0.5;
-    ++kept;
-    ++counts[std::min(static_cast<size_t>(share * kRings), kRings - 1) * kSectors +
-             std::min(static_cast<size_t>(turn * kSectors), kSectors - 1)];
-  }
-  return chi_square(counts, std::vector<double>(counts.size(), kept / (kRings * kSectors))).p;
-}
-TEST(samplers, the_suns_rays_cover_their_disc_evenly) {
-  EXPECT_GT(sun_places(1), kRight);
-}
-TEST(samplers, twin_the_suns_rays_crowded_in_the_middle) {
-  EXPECT_LT(sun_places(1.15), kWrong);
 }
 
 }  // namespace tdpt::samplers_test

@@ -6,8 +6,6 @@
 #include "libcommon/scene/scene.h"
 #include "tools/tdpt-render/path/bsdf/scatter.h"
 #include "tools/tdpt-render/testing/oracle_bsdf.h"
-#include "tools/tdpt-render/testing/oracle_coat.h"
-#include "tools/tdpt-render/testing/oracle_rect_lights.h"
 
 namespace tdpt::oracle {
 namespace {

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "tools/tdpt-render/path/sample/path.h"
-#include "tools/tdpt-render/testing/oracle_sky.h"
+#include "tools/tdpt-render/testing/oracle_lights.h"
 
 namespace tdpt::oracle {
 

@@ -1,6 +1,7 @@
 // For tests: the two rooms with rectangular lights besides the lamp.
 #pragma once
-#include "tools/tdpt-render/testing/known_paths.h"
+#include "tools/tdpt-render/testing/rooms.h"
+#include "tools/tdpt-render/testing/sheets.h"
 
 namespace tdpt {
 
@@ -10,16 +11,7 @@ inline void add_rect_light(Scene& scene, const Vec3d& p, const Vec3d& u, const V
   Material shines = scene.materials[0];
   shines.emission = emission;
   shines.double_sided = both_sides;
-  const auto material = static_cast<uint32_t>(scene.materials.size());
-  scene.materials.push_back(shines);
-  const auto first = static_cast<uint32_t>(scene.positions.size());
-  for (const Vec3d& corner : {p, p + u, p + u + v, p + v})
-    scene.positions.emplace_back(scene.frame.to_canonical(corner));
-  if (!scene.normals.empty()) scene.normals.resize(scene.positions.size(), Vec3f(0, 1, 0));
-  for (const auto& [i, j] : {std::pair{1u, 2u}, std::pair{2u, 3u}}) {
-    scene.triangles.push_back({{first, first + i, first + j}, material});
-    if (!scene.smooth.empty()) scene.smooth.push_back(0);
-  }
+  scene = with_sheet(scene, shines, p, u, v);
 }
 
 /// One in the ceiling, one in a wall near the floor, one in mid air that shines on both sides; four

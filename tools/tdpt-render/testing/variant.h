@@ -50,10 +50,6 @@ struct Variant {
   void (*run)(PathSampler&) = [](PathSampler& sampler) { sampler.run(); };
   /// Factor of the number of samples that a cache's light walks are counted for.
   double counted_samples = 1;
-  /// Which pixels share a cache.
-  uint64_t (*pixel)(uint64_t cache, uint64_t i, uint64_t caches, uint64_t pixels) = pixel_of_cache;
-  /// Whether a contribution is lost on the way to the film; null: none is.
-  bool (*loses)(const Vista&, const Contribution&) = nullptr;
   /// What a sample with caches does besides its phases.
   void (*besides)(PathSampler&) = [](PathSampler&) {};
 };
@@ -73,7 +69,7 @@ void Variant::picture(PathSampler& sampler, int width, int height, uint64_t spp,
       const uint64_t walking = caches ? light_walks_of(integrator.mixture, samples) : 0;
       const auto each = [&](uint64_t count, const auto& visit) {
         for (uint64_t i = 0; i < count; ++i) {
-          const auto p = static_cast<int>(pixel(first, i, step, pixels));
+          const auto p = static_cast<int>(pixel_of_cache(first, i, step, pixels));
           visit(p % width, p / width, i);
         }
       };

@@ -37,7 +37,7 @@ struct House {
     const auto corner = [&](int i) {
       return scene.frame.to_canonical(portal.vertices[static_cast<size_t>(i)]);
     };
-    constexpr int kLines = 400;
+    constexpr int kLines = 200;
     int seen = 0;
     for (int i = 0; i < kLines; ++i) {
       Rng rng(7, seed, static_cast<uint64_t>(i));
@@ -72,7 +72,7 @@ Scene open_at_both_ends() {
 TEST(window_views, are_from_where_lines_find_the_window) {
   const House house(open_at_the_end(), {kEnd});
   int seen = 0, missed = 0, unseen = 0, too_many = 0;
-  for (uint64_t i = 0; i < 2000; ++i) {
+  for (uint64_t i = 0; i < 700; ++i) {
     Rng rng(8, 0, i);
     const double x = rng.uniform(), y = rng.uniform(), z = rng.uniform();
     const Vec3d p(0.05 + 4 * x, 0.05 + 1.9 * y, -0.95 + 1.9 * z);
@@ -83,9 +83,9 @@ TEST(window_views, are_from_where_lines_find_the_window) {
     unseen += share == 0;
     too_many += share == 0 && shown;
   }
-  EXPECT_GT(seen, 800);
+  EXPECT_GT(seen, 250);
   EXPECT_EQ(missed, 0);
-  EXPECT_GT(unseen, 200);
+  EXPECT_GT(unseen, 60);
   EXPECT_LT(too_many, unseen / 4);  // besides those that see it
 }
 
@@ -97,6 +97,15 @@ TEST(window_views, nothing_is_seen_from_outside) {
     for (const Vec3d& p : {Vec3d(-1, 1, 0), Vec3d(5.5, 1, 0), Vec3d(2, 3, 0), Vec3d(2, -1, 0.5),
                            Vec3d(1, 1, 4), Vec3d(3, 1, -4), Vec3d(1e9, 1, 1), Vec3d(-1e9, 0, 0)})
       EXPECT_FALSE(house.shows(*portal, p)) << p.x << " " << p.y << " " << p.z;
+  }
+  // So next events look everywhere there.
+  for (const Vec3d& p : {Vec3d(1, 0, 0), Vec3d(3, 0, 0), Vec3d(-2, 0, 0), Vec3d(2, 2.5, 0)}) {
+    Vertex v;
+    v.position = house.scene.frame.to_canonical(p);
+    v.normal = {0, 1, 0};
+    v.material = &house.scene.materials[0];
+    house.vista.next_events().look_out(v.normal, v);
+    EXPECT_EQ(v.light_context.seen > 0, p.x > 0 && p.y < 2) << p.x;
   }
 }
 
@@ -126,24 +135,6 @@ TEST(window_views, what_comes_straight_in_is_found_through_the_windows) {
   const double without = error_of_pictures(vista, everywhere, 2);
   std::printf("error without windows %g, with %g: %g times\n", without, with, without / with);
   EXPECT_GT(without, 10 * with);
-}
-
-// The purpose: outside, where no window is seen, next events look everywhere.
-TEST(window_views, next_events_look_everywhere_where_no_window_is_seen) {
-  const House house(open_at_both_ends(), {kEnd, kBeginning});
-  const auto seen_at = [&](const Vec3d& place) {
-    Vertex v;
-    v.position = house.scene.frame.to_canonical(place);
-    v.normal = {0, 1, 0};
-    v.material = &house.scene.materials[0];
-    house.vista.next_events().look_out(v.normal, v);
-    return v.light_context.seen;
-  };
-  EXPECT_GT(seen_at({1, 0, 0}), 0);
-  EXPECT_GT(seen_at({3, 0, 0}), 0);
-  EXPECT_EQ(seen_at({-2, 0, 0}), 0);
-  EXPECT_EQ(seen_at({6, 0, 0}), 0);
-  EXPECT_EQ(seen_at({2, 2.5, 0}), 0);
 }
 
 }  // namespace tdpt::window_views_test

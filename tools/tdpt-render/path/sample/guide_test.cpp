@@ -10,20 +10,20 @@
 #include "tools/tdpt-render/path/sample/walk.h"
 #include "tools/tdpt-render/path/sample/world.h"
 #include "tools/tdpt-render/testing/rooms.h"
+#include "tools/tdpt-render/testing/sheets.h"
 
 namespace tdpt::guide_test {
 
 constexpr double kLevel = 1e-3;  // a right program fails a whole TEST with this probability
 constexpr double kWrong = 1e-9;  // a wrong one stays below
-constexpr uint64_t kSamples = 150000;
+constexpr uint64_t kSamples = 30000;
 const Guiding kGuiding = tdpt_guided.mixture.guiding;
 // Normal of the piece in the middle, tilted against everything else.
 const Vec3d kUp = normalize(Vec3d(0.1, 0.2, 1));
 
 // Rectangle about `centre` with half sides u and v; light crosses it along cross(u, v).
 Portal plate(const Vec3d& centre, const Vec3d& u, const Vec3d& v) {
-  const Vec3d p = centre - u - v;
-  return {"plate", {p, p + u * 2, p + u * 2 + v * 2, p + v * 2}, {{0, 1, 2}, {0, 2, 3}}, {}};
+  return rectangle(centre - u - v, u * 2, v * 2);
 }
 Portal turned_round(Portal portal) {
   for (auto& t : portal.triangles) std::swap(t[1], t[2]);
@@ -51,39 +51,18 @@ const std::vector<Portal> kWrongSide = turned_round(kOne);
 // Its plane is 0.01 away.
 const std::vector<Portal> kGrazing{plate({0.4, 0.01, 0.4}, {0.2, 0, 0}, {0, 0, 0.2})};
 
-enum class Kind { diffuse, rough, glossy, metal, plastic, milky, sheet };
+enum class Kind { diffuse, rough, glossy, plastic, sheet };
 Material material(Kind kind) {
   Material m;
   m.base_color = {0.8f, 0.5f, 0.3f};
   m.plain = kind == Kind::diffuse;
   if (m.plain) return m;
   m.specular = 1;
-  switch (kind) {
-    case Kind::rough:
-      m.metallic = 0.5f;
-      m.roughness = 0.6f;
-      break;
-    case Kind::glossy:  // a narrow lobe over a diffuse base
-      m.roughness = 0.4f;
-      break;
-    case Kind::metal:  // only a narrow lobe: never guided
-      m.metallic = 1;
-      m.roughness = 0.45f;
-      break;
-    case Kind::plastic:
-      m.roughness = 0;
-      break;
-    case Kind::milky:  // smooth glass over a diffuse base
-      m.base_color = Rgb(0.9f);
-      m.roughness = 0;
-      m.transmission = 0.5f;
-      m.solid = true;
-      break;
-    default:
-      m.transmission = 0.6f;
-      m.roughness = 0.7f;
-      m.double_sided = true;
-  }
+  m.metallic = kind == Kind::rough ? 0.5f : 0;
+  m.roughness = 0.6f;
+  if (kind == Kind::glossy) m.roughness = 0.4f;  // a narrow lobe over a diffuse base
+  if (kind == Kind::plastic) m.roughness = 0;
+  if (kind == Kind::sheet) m.transmission = 0.6f, m.double_sided = true;
   return m;
 }
 
@@ -102,19 +81,11 @@ void add_triangle(Scene& scene, const Vec3d& a, const Vec3d& b, const Vec3d& c, 
 Scene box(const Material& middle, double size) {
   Scene scene;
   scene.materials = {Material{}, middle};
-  for (int axis = 0; axis < 3; ++axis)
-    for (const double side : {-1.0, 1.0}) {
-      std::array<Vec3d, 4> corner;
-      for (int i = 0; i < 4; ++i) {
-        std::array<double, 3> p;
-        p[static_cast<size_t>(axis)] = side;
-        p[static_cast<size_t>((axis + 1) % 3)] = i == 1 || i == 2 ? side : -side;
-        p[static_cast<size_t>((axis + 2) % 3)] = i >= 2 ? -1 : 1;
-        corner[static_cast<size_t>(i)] = {p[0], p[1], p[2]};
-      }
-      add_triangle(scene, corner[0], corner[1], corner[2], 0);
-      add_triangle(scene, corner[0], corner[2], corner[3], 0);
-    }
+  const Vec3d axes[] = {{2, 0, 0}, {0, 2, 0}, {0, 0, 2}};
+  for (size_t i = 0; i < 3; ++i)
+    for (const Vec3d& to : {Vec3d(), axes[i]})
+      scene = with_sheet(scene, Material(), Vec3d(-1, -1, -1) + to, axes[(i + 1) % 3],
+                         axes[(i + 2) % 3]);
   const Onb<double> onb(kUp);
   const double far = size * std::sqrt(0.75);
   add_triangle(scene, onb.x * size, onb.x * (-0.5 * size) + onb.y * far,
@@ -172,9 +143,10 @@ struct Case {
   Scene scene;
   std::vector<Portal> portals;
   bool begins = false;  // at a lamp in the middle
+  bool bent = false;    // reflects into the surface: a walk that chooses the smooth lobe ends
   // Tilted: seen from the middle no portal's border runs along one of a bin, where quadrature would
   // miss what lies beyond it.
-  SphereBins bins{normalize(Vec3d(0.31, -0.52, 0.83)), 2, 12, 16};
+  SphereBins bins{normalize(Vec3d(0.31, -0.52, 0.83)), 2, 8, 12};
 
   Vista vista() const { return Vista(scene, scene.cameras[0], 64, 64, portals); }
 };
@@ -194,6 +166,21 @@ Case scatters(const std::string& name, From from, Kind kind, const std::vector<P
     spot.intensity = Rgb(1.0f);
     c.scene.lights.push_back(spot);
   }
+  return c;
+}
+
+// Its normal is tilted so far that what is mirrored lies in the surface.
+Case bent(Case c) {
+  const uint32_t middle = 12;
+  c.scene.smooth.assign(c.scene.triangles.size(), 0);
+  c.scene.smooth[middle] = 1;
+  c.scene.normals.resize(c.scene.positions.size());
+  const Vec3d back = normalize(c.scene.cameras[0].position);
+  const Vec3d away = normalize(kUp * dot(kUp, back) - back);
+  for (const uint32_t v : c.scene.triangles[middle].vertex)
+    c.scene.normals[v] = Vec3f(normalize(kUp + away * 0.73));
+  c.scene.materials[1].specular_color = Rgb(12);
+  c.bent = true;
   return c;
 }
 
@@ -262,65 +249,50 @@ Judgement judge(const Case& c, const Stand& s, uint64_t stream, const Pdf& pdf_w
     ++dirac;
     return c.bins.size();
   });
-  const double smooth = c.begins ? 0 : smooth_share(s.at, s.back);
+  const double smooth = c.begins || c.bent ? 0 : smooth_share(s.at, s.back);
   Judgement j{chi.p, binomial_p(dirac, kSamples, smooth), smooth};
   for (double x : share) j.total += x;
   return j;
 }
 
-// Every density integrates to at most 1 and is followed. `guided`: whether there is anything to aim
-// at.
-void all_hold(const std::vector<Case>& cases, bool guided = true) {
+// Every density integrates to at most 1 and is followed.
+void all_hold(const std::vector<Case>& cases) {
   const double least = sidak(kLevel, 2 * cases.size());
   for (size_t i = 0; i < cases.size(); ++i) {
     const Case& c = cases[i];
     const Vista vista = c.vista();
     const Stand s = stand_of(vista, c);
-    EXPECT_EQ(s.aim() > 0, guided) << c.name;
+    EXPECT_GT(s.aim(), 0) << c.name;
     const Judgement j = judge(c, s, i, [&](const Vec3d& w) { return s.pdf_w(w); });
-    const std::string name = c.name + (c.from == From::light ? ", from the light" : "");
-    EXPECT_GT(j.p, least) << name;
-    EXPECT_GT(j.dirac_p, least) << name;
-    EXPECT_LT(j.total, 1 + 1e-3) << name;
-    EXPECT_GT(j.total, 0.3) << name;
+    EXPECT_GT(j.p, least) << c.name;
+    EXPECT_GT(j.dirac_p, least) << c.name;
+    EXPECT_LT(j.total, 1 + 1e-3) << c.name;
+    EXPECT_GT(j.total, 0.2) << c.name;
   }
 }
 
-// Bins for a narrow strip as seen from the middle, which crosses them and does not run along them.
-SphereBins towards_the_grazing_one() {
-  return SphereBins(normalize(Vec3d(0.4, 0.07, 0.37)), 0.2, 20, 96);
-}
-
-TEST(guide, diffuse_surfaces_send_walks_at_portals_as_their_density_says) {
-  std::vector<Case> cases;
-  for (const From from : {From::light, From::camera}) {
-    cases.push_back(scatters("one", from, Kind::diffuse, kOne));
-    cases.push_back(scatters("several", from, Kind::diffuse, kOne + kAside));
-    cases.push_back(scatters("in series", from, Kind::diffuse, kInSeries));
-    cases.push_back(scatters("half below", from, Kind::diffuse, kHalfBelow));
-    // The one below comes first, so that a wrong choice would take it.
-    cases.push_back(scatters("one above, one below", from, Kind::diffuse, kBelow + kOne));
-    cases.push_back(scatters("one of them looks away", from, Kind::diffuse, kAside + kWrongSide));
-    cases.push_back(scatters("grazing", from, Kind::diffuse, kGrazing));
-    cases.back().bins = towards_the_grazing_one();
-  }
-  all_hold(cases);
-}
-
-TEST(guide, other_surfaces_do_so_too_and_keep_their_smooth_lobes) {
-  std::vector<Case> cases;
-  for (const From from : {From::light, From::camera}) {
-    cases.push_back(scatters("rough", from, Kind::rough, kOne + kAside));
-    cases.push_back(scatters("rough, half below", from, Kind::rough, kHalfBelow));
-    cases.push_back(scatters("glossy", from, Kind::glossy, kOne + kAside));
-    cases.push_back(scatters("metal", from, Kind::metal, kOne + kAside));
-    cases.push_back(scatters("smooth plastic", from, Kind::plastic, kOne + kAside));
-    cases.push_back(scatters("smooth plastic, half below", from, Kind::plastic, kHalfBelow));
-    cases.push_back(scatters("smooth milky glass", from, Kind::milky, kInSeries));
-    cases.push_back(scatters("sheet", from, Kind::sheet, kOne));
-    cases.push_back(scatters("sheet, above and below", from, Kind::sheet, kBelow + kOne));
-    cases.push_back(scatters("sheet, half below", from, Kind::sheet, kHalfBelow));
-  }
+TEST(guide, surfaces_send_walks_at_portals_as_their_density_says_and_keep_their_smooth_lobes) {
+  constexpr From kLight = From::light, kCamera = From::camera;
+  std::vector<Case> cases{
+      scatters("one", kCamera, Kind::diffuse, kOne),
+      scatters("several", kLight, Kind::diffuse, kOne + kAside),
+      scatters("in series", kCamera, Kind::diffuse, kInSeries),
+      scatters("half below", kLight, Kind::diffuse, kHalfBelow),
+      // The one below comes first, so that a wrong choice would take it.
+      scatters("one above, one below", kCamera, Kind::diffuse, kBelow + kOne),
+      scatters("one of them looks away", kLight, Kind::diffuse, kAside + kWrongSide),
+      scatters("grazing", kCamera, Kind::diffuse, kGrazing),
+      scatters("rough", kLight, Kind::rough, kOne + kAside),
+      scatters("rough, half below", kCamera, Kind::rough, kHalfBelow),
+      scatters("glossy", kLight, Kind::glossy, kOne + kAside),
+      scatters("glossy, in series", kCamera, Kind::glossy, kInSeries),
+      scatters("smooth plastic", kLight, Kind::plastic, kOne + kAside),
+      scatters("smooth plastic, half below", kCamera, Kind::plastic, kHalfBelow),
+      bent(scatters("smooth plastic, bent", kCamera, Kind::plastic, kOne + kAside)),
+      scatters("sheet, above and below", kCamera, Kind::sheet, kBelow + kOne),
+      scatters("sheet, half below", kLight, Kind::sheet, kHalfBelow)};
+  // A narrow strip as seen from the middle, which crosses bins and does not run along them.
+  cases[6].bins = SphereBins(normalize(Vec3d(0.4, 0.07, 0.37)), 0.2, 12, 48);
   all_hold(cases);
 }
 
@@ -331,21 +303,20 @@ TEST(guide, lamps_do_so_too) {
   mirror.metallic = 1;
   mirror.roughness = 0;
   both.double_sided = true;
-  std::vector<Case> cases;
-  for (const auto& [name, lamp] : std::vector<std::pair<std::string, Material>>{
-           {"one-sided", {}}, {"black", black}, {"mirror", mirror}, {"double-sided", both}}) {
-    cases.push_back(begins(name, lamp, kOne + kAside));
-    cases.push_back(begins(name + ", in series", lamp, kInSeries));
-    cases.push_back(begins(name + ", half below", lamp, kHalfBelow));
-    cases.push_back(begins(name + ", above and below", lamp, kBelow + kOne));
-  }
-  cases.push_back(begins_at_a_point("point", kBelow + kOne + kAside));
-  cases.push_back(begins_at_a_point("point, in series", kInSeries));
-  all_hold(cases);
+  all_hold({begins("one-sided", Material{}, kOne + kAside),
+            begins("one-sided, half below", Material{}, kHalfBelow),
+            begins("one-sided, above and below", Material{}, kBelow + kOne),
+            begins("black, in series", black, kInSeries), begins("mirror", mirror, kOne + kAside),
+            begins("double-sided, half below", both, kHalfBelow),
+            begins("double-sided, above and below", both, kBelow + kOne),
+            begins_at_a_point("point", kBelow + kOne + kAside),
+            begins_at_a_point("point, in series", kInSeries)});
 }
 
 TEST(guide, what_cannot_be_reached_is_never_aimed_at) {
-  std::vector<Case> cases;
+  std::vector<Case> cases{begins("lamp, below", Material{}, kBelow),
+                          begins("lamp, wrong side", Material{}, kWrongSide),
+                          begins_at_a_point("point, wrong side", kWrongSide)};
   for (const From from : {From::light, From::camera})
     for (const Kind kind : {Kind::diffuse, Kind::rough, Kind::plastic}) {
       cases.push_back(scatters("below", from, kind, kBelow));
@@ -355,70 +326,10 @@ TEST(guide, what_cannot_be_reached_is_never_aimed_at) {
       cases.push_back(
           scatters("edge on", from, kind, {plate({0.4, 0, 0.4}, {0.2, 0, 0}, {0, 0, 0.2})}));
     }
-  cases.push_back(begins("lamp, below", Material{}, kBelow));
-  cases.push_back(begins("lamp, wrong side", Material{}, kWrongSide));
-  cases.push_back(begins_at_a_point("point, wrong side", kWrongSide));
-  all_hold(cases, false);
-}
-
-// Lines of the sun through a box, by where they cross the perpendicular plane through the origin: a
-// grid of bins over the disc, each with the integral of the density.
-double sun_lines(double fault) {
-  Case c = begins_at_a_point("sun", kOne + kAside);
-  PunctualLight& sun = c.scene.lights[0];
-  sun.kind = PunctualLight::Kind::directional;
-  sun.direction = normalize(Vec3d(0.2, -0.3, 1));
-  const Onb<double> onb(sun.direction);
-  const Vista vista = c.vista();
-  const Guide guide(vista, tdpt_guided.mixture);
-  Vertex y0;
-  place_on_light(*vista.world, vista.openings.selection.sample(0.5, 0.5, 0.5, 0), y0);
-  guide.set_totals_at_light(y0);
-  EXPECT_GT(y0.guide_totals.emitted, 0);
-  constexpr int kSide = 16, kFine = 128;
-  const double radius = std::sqrt(y0.source->cos_per_pdf_w({}) / std::numbers::pi);
-  const auto bin = [&](const Vec3d& at) {
-    const auto index = [&](double x) {
-      return std::clamp(static_cast<int>((x / radius + 1) * 0.5 * kSide), 0, kSide - 1);
-    };
-    return static_cast<size_t>(index(dot(onb.x, at)) * kSide + index(dot(onb.y, at)));
-  };
-  std::vector<double> share(kSide * kSide);
-  const double cell = 2 * radius / (kSide * kFine);
-  for (int i = 0; i < kSide * kFine; ++i)
-    for (int j = 0; j < kSide * kFine; ++j) {
-      const double x = (i + 0.5) * cell - radius, y = (j + 0.5) * cell - radius;
-      Vertex to;  // a surface perpendicular to the light
-      to.material = &vista.world->scene.materials[0];
-      to.normal = -sun.direction;
-      to.position = onb.x * x + onb.y * y;
-      uint64_t tests = 0;
-      const double plain = x * x + y * y < radius * radius ? 1 / y0.source->cos_per_pdf_w({}) : 0;
-      const double p = guide.pdf_A(From::light, y0, nullptr, between(y0, to), to, plain,
-                                   guide.crossing(y0, to, tests));
-      share[bin(to.position)] += p * cell * cell;
-    }
-  double total = 0;
-  for (double s : share) total += s;
-  EXPECT_NEAR(total, 1, 1e-3);
-  for (double& s : share) s = s * fault + (1 - fault) / static_cast<double>(share.size());
-  return chi_square_of_samples(kSamples, share,
-                               [&](uint64_t i) {
-                                 Sequence numbers(3, 1, i, 0);
-                                 const auto u = numbers.uniforms<4>();
-                                 Lights::Ray ray = vista.world->lights.leave(
-                                     vista.openings.selection.sample(0.5, 0.5, 0.5, 0), u[0], u[1]);
-                                 int triangle = -1;
-                                 guide.leave(y0, u, ray, triangle);
-                                 return bin(ray.origin);
-                               })
-      .p;
-}
-TEST(guide, parallel_light_is_directed_through_portals_by_its_density) {
-  EXPECT_GT(sun_lines(1), kLevel);
-}
-TEST(guide, twin_parallel_light_less_directed_than_its_density_says) {
-  EXPECT_LT(sun_lines(0.95), kWrong);
+  for (const Case& c : cases) {
+    const Vista vista = c.vista();
+    EXPECT_EQ(stand_of(vista, c).aim(), 0) << c.name;
+  }
 }
 
 // Twins: `spoil` gets the stand and W, and changes what the density is computed from.
@@ -444,18 +355,19 @@ std::vector<Case> each_kind(const std::vector<Portal>& portals) {
   return cases;
 }
 
-TEST(guide, twin_densities_of_aiming_5_percent_off) {
-  for (const Case& c : each_kind(kOne + kAside))
-    for (const double factor : {0.95, 1.05}) {
-      const Judgement j = spoilt(c, [&](Stand& s, double) { s.aim() /= factor; });
-      EXPECT_LT(j.p, kWrong) << c.name << " " << factor;
-      if (c.name == "diffuse" && factor > 1) {
-        EXPECT_GT(j.total, 1 + 1e-3);
-      }
+// The oracle of path_test knows of 5 %, path by path.
+TEST(guide, twin_densities_of_aiming_a_fifth_off) {
+  for (const Case& c : each_kind(kOne + kAside)) {
+    const Judgement j = spoilt(c, [&](Stand& s, double) { s.aim() *= 0.8; });
+    EXPECT_LT(j.p, kWrong) << c.name;
+    if (c.name == "diffuse") {
+      EXPECT_GT(j.total, 1 + 1e-3);
     }
+  }
 }
 TEST(guide, twin_weights_of_facets_that_do_not_add_up_to_1) {
-  for (const Case& c : each_kind(kOne + kAside))
+  for (const Case& c : {scatters("diffuse", From::camera, Kind::diffuse, kOne + kAside),
+                        begins("lamp", Material{}, kOne + kAside)})
     EXPECT_LT(spoilt(c, [](Stand& s, double W) { s.aim() /= W; }).p, kWrong) << c.name;
 }
 // W includes portals below the horizon: less is left for the others.
@@ -482,20 +394,18 @@ TEST(guide, twin_a_density_that_knows_no_horizon_when_it_scatters) {
         << c.name;
 }
 TEST(guide, twin_smooth_lobes_that_are_directed_too) {
-  for (const Kind kind : {Kind::plastic, Kind::milky}) {
-    Case c = scatters("smooth", From::camera, kind, kOne);
-    c.scene.materials[1].base_color = Rgb(0.3f);  // guided often
-    double smooth = 0;
-    const Judgement j = spoilt(c, [&](Stand& s, double) {
-      smooth = smooth_share(s.at, s.back);
-      s.aim() *= 1 - smooth;
-    });
-    EXPECT_LT(j.p, kWrong);
-    // And their share, if walks were guided instead of taking a smooth lobe.
-    EXPECT_GT(j.dirac_p, 1e-4);
-    const auto kept = static_cast<uint64_t>((1 - kGuiding.chance[1]) * smooth * kSamples);
-    EXPECT_LT(binomial_p(kept, kSamples, smooth), kWrong);
-  }
+  Case c = scatters("smooth", From::camera, Kind::plastic, kOne);
+  c.scene.materials[1].base_color = Rgb(0.3f);  // guided often
+  double smooth = 0;
+  const Judgement j = spoilt(c, [&](Stand& s, double) {
+    smooth = smooth_share(s.at, s.back);
+    s.aim() *= 1 - smooth;
+  });
+  EXPECT_LT(j.p, kWrong);
+  // And their share, if walks were guided instead of taking a smooth lobe.
+  EXPECT_GT(j.dirac_p, 1e-4);
+  const auto kept = static_cast<uint64_t>((1 - kGuiding.chance[1]) * smooth * kSamples);
+  EXPECT_LT(binomial_p(kept, kSamples, smooth), kWrong);
 }
 
 // A step by the BSDF keeps the probability that it has in a plain walk, and a guided one comes on
@@ -510,7 +420,7 @@ TEST(guide, no_walk_carries_more_after_a_surface_than_before) {
   Walk walk;
   int longest = 0;
   for (const From from : {From::light, From::camera})
-    for (uint64_t i = 0; i < 3000; ++i) {
+    for (uint64_t i = 0; i < 1000; ++i) {
       const Sequence numbers(3, 1, 0, i);
       if (from == From::light)
         walk_from_light(vista, guide, 64, numbers, walk, rays);

@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <set>
+
 #include "tools/tdpt-render/integrators/integrator.h"
 #include "tools/tdpt-render/testing/rooms.h"
 
@@ -59,15 +61,12 @@ double told(const std::vector<Walk>& walks, bool starts, double fault = 1) {
 
 TEST(light_vertex_cache, candidates_stand_for_all_vertices) {
   std::vector<Walk> walks = walks_of({4, 1, 9, 2, 0, 7, 3, 12});
-  for (const bool starts : {false, true}) EXPECT_NEAR(told(walks, starts), 1, 1e-4);
+  for (const bool starts : {false, true}) {
+    EXPECT_NEAR(told(walks, starts), 1, 1e-4);
+    EXPECT_GT(std::abs(told(walks, starts, 1.05) - 1), 0.04);  // twin
+  }
   for (const size_t w : {2, 5}) walks[w].v[1].connectible = walks[w].v[0].connectible = false;
   for (const bool starts : {false, true}) EXPECT_NEAR(told(walks, starts), 1, 1e-4);
-}
-
-TEST(light_vertex_cache, twin_candidates_that_stand_for_another_number_are_caught) {
-  const std::vector<Walk> walks = walks_of({4, 1, 9, 2, 0, 7, 3, 12});
-  EXPECT_GT(std::abs(told(walks, false, 1.05) - 1), 0.04);
-  EXPECT_GT(std::abs(told(walks, true, 1.05) - 1), 0.04);
 }
 
 TEST(light_vertex_cache, fewer_vertices_than_candidates_are_all_drawn_for_any_u) {
@@ -89,11 +88,8 @@ TEST(light_vertex_cache, fewer_vertices_than_candidates_are_all_drawn_for_any_u)
 
 TEST(light_vertex_cache, an_empty_one_has_no_candidates) {
   std::vector<const LightVertex*> drawn(3);
-  LightVertexCache cache;
-  EXPECT_EQ(cache.draw(true, 0.5, drawn), 0);
-  EXPECT_TRUE(drawn.empty());
   const std::vector<Walk> walks = walks_of({1, 1, 0});
-  cache = cache_of(walks);
+  LightVertexCache cache = cache_of(walks);
   EXPECT_EQ(cache.draw(false, 0.5, drawn), 0);  // none except y_0
   EXPECT_EQ(cache.draw(true, 0.5, drawn), 3);
   EXPECT_EQ(drawn.size(), 2u);
@@ -123,6 +119,9 @@ Mixture in_furnace(const Mixture& mixture, float albedo, int max_depth) {
 
 TEST(expecting_connections, are_those_of_walks_in_the_furnace) {
   constexpr double kCandidates = LightVertexCache::kCandidates;
+  EXPECT_EQ(in_furnace(nee.mixture, 0.5f, 6), nee.mixture);  // it does not walk from lights
+  // With y_0 only no more than a cache has walks.
+  EXPECT_EQ(in_furnace(bdpt.mixture, 0.5f, 1).connected, LightVertexCache::kWalks);
   for (const int depth : {2, 3}) {  // where no walk ends by chance
     const Mixture m = in_furnace(bdpt.mixture, 0.5f, depth);
     EXPECT_NEAR(m.connected, kCandidates / scattered(0.5, depth), 0.02);
@@ -171,28 +170,31 @@ TEST(light_vertex_cache, has_each_pixel_of_a_picture_once) {
     }
 }
 
-TEST(light_vertex_cache, knows_how_many_walks_there_are_for_each_sample) {
-  const std::vector<Walk> walks = walks_of({4, 0, 2});
-  LightVertexCache cache;
-  cache.clear(12);
-  for (const Walk& y : walks) cache.add(y);
-  EXPECT_EQ(cache.walks_per_sample(), 0.25);  // walks without vertices count, too
-  EXPECT_EQ(cache_of(walks_of({3})).walks_per_sample(), 1);
-}
-
-TEST(expecting_connections, no_more_than_a_cache_has_walks) {
-  const Mixture m = in_furnace(bdpt.mixture, 0.5f, 1);  // only y_0
-  EXPECT_EQ(m.connected, LightVertexCache::kWalks);
-  EXPECT_NEAR(m.connected_to_segments, LightVertexCache::kCandidates, 1e-9);
-}
-
-TEST(expecting_connections, leave_alone_what_does_not_walk_from_lights) {
-  EXPECT_EQ(in_furnace(pt.mixture, 0.5f, 6), pt.mixture);
-  EXPECT_EQ(in_furnace(nee.mixture, 0.5f, 6), nee.mixture);
+// Samples that share a cache are in pixels far apart: in pictures of 128 x 96 pixels in many
+// columns.
+TEST(light_vertex_cache, has_pixels_in_many_columns) {
+  constexpr uint64_t kWidth = 128, kCaches = 192, kPixels = kWidth * 96;
+  const auto columns = [](uint64_t (*pixel)(uint64_t, uint64_t, uint64_t, uint64_t)) {
+    std::set<uint64_t> all;
+    for (uint64_t i = 0; i < kPixels / kCaches; ++i)
+      all.insert(pixel(100, i, kCaches, kPixels) % kWidth);
+    return all.size();
+  };
+  EXPECT_GT(columns(pixel_of_cache), 24u);
+  // Twin: evenly apart.
+  EXPECT_EQ(columns([](uint64_t cache, uint64_t i, uint64_t caches, uint64_t) {
+              return cache + i * caches;
+            }),
+            2u);
 }
 
 // A sample that does not keep its segment leaves its place to the next one.
-TEST(light_vertex_cache, keeps_the_segments_that_are_of_use) {
+TEST(light_vertex_cache, counts_walks_and_keeps_the_segments_that_are_of_use) {
+  const std::vector<Walk> walks = walks_of({4, 0, 2});
+  LightVertexCache counted;
+  counted.clear(12);
+  for (const Walk& y : walks) counted.add(y);
+  EXPECT_EQ(counted.walks_per_sample(), 0.25);  // walks without vertices count, too
   LightVertexCache cache;
   for (int round = 0; round < 2; ++round) {
     cache.clear();

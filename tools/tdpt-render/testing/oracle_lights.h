@@ -1,9 +1,10 @@
-// The oracle's densities for light from the sky: where walks begin there and where next events
-// look, by sums over the whole sky where the fast code has tables. For tests.
+// The oracle's densities of next events and of where walks begin: for light from the sky by sums
+// over the whole sky where the fast code has tables, for rectangular lights from their four corners
+// alone. For tests.
 #pragma once
 #include <vector>
 
-#include "tools/tdpt-render/path/sample/world.h"
+#include "tools/tdpt-render/path/sample/path.h"
 
 namespace tdpt::oracle {
 
@@ -41,5 +42,9 @@ class SkyLight {
   double total_ = 0, total_across_ = 0;  // of luminance, and of luminance times area [per sr]
   std::vector<Layout> layouts_;
 };
+
+/// p_A of x_0, on a rectangular light, as a next event among rectangular lights at x_1 of a path
+/// that goes on to x_2.
+double rect_light_pdf_A(const Vista& vista, const Vertex& x0, const Vertex& x1, const Vertex& x2);
 
 }  // namespace tdpt::oracle
