@@ -16,8 +16,31 @@ mkdir "$work/run"
 # All cases share the cache of kernels compiled for a software device, which takes seconds.
 export MESA_SHADER_CACHE_DIR="${MESA_SHADER_CACHE_DIR:-${XDG_CACHE_HOME:-${HOME:-/tmp}/.cache}}" XDG_CACHE_HOME="$work/cache"
 script=$work/script stdout=$work/stdout stderr=$work/stderr wrong=$work/wrong
-: >"$script"
 : >"$wrong"
+# What the scripts of cases may call; bodies in parentheses keep their variables to themselves.
+cat >"$script" <<END
+# refused CODE WORDS COMMAND...: the command ends with this code, prints nothing on stdout and on stderr one line, which
+# begins with the program's name and matches WORDS.
+refused() (
+  code=\$1 words=\$2 status=0
+  shift 2
+  "\$@" >"$work/out" 2>"$work/err" || status=\$?
+  [ \$status = "\$code" ] && [ ! -s "$work/out" ] && [ "\$(wc -l <"$work/err")" = 1 ] &&
+    grep -q "^\${1##*/}[a-z-]*: " "$work/err" && grep -Eq -e "\$words" "$work/err" && return
+  { echo "exit code \$status, expected \$code and one line with '\$words': \$*"; cat "$work/out" "$work/err"; } >>"$wrong"
+)
+# not COMMAND...: complains where the command succeeds, which set -e overlooks behind a "!".
+not() ( ! "\$@" || echo "has succeeded: \$*" >>"$wrong" )
+# stages SCENE STEM [WORD...]: STEM.max, .cut, .vdb and .portal.glb of few walks and lines; words for those that need the light.
+stages() (
+  scene=\$1 stem=\$2
+  shift 2
+  ffgraph --quiet "\$scene" --set walks=5000 --samples 20000 --set rounds=0 "\$@" -o "\$stem.max" &&
+    mincut --quiet "\$stem.max" -o "\$stem.cut" &&
+    lightgrid --quiet "\$scene" "\$stem.cut" --resolution 32 --set lines=1000 "\$@" -o "\$stem.vdb" &&
+    portalfit --quiet "\$stem.vdb" -o "\$stem.portal.glb"
+)
+END
 complain() { printf '%s\n' "$*" >>"$wrong"; }
 
 # The value of a "key: value" line.

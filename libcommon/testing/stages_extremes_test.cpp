@@ -12,7 +12,7 @@
 #include <gtest/gtest.h>
 
 #include "libcommon/testing/files/temp_folder.h"
-#include "libcommon/testing/rooms/portal_distance.h"
+#include "libcommon/testing/rooms/known_rooms.h"
 #include "libcommon/testing/rooms/portal_score.h"
 #include "libcommon/testing/rooms/portal_stages.h"
 #include "libcommon/testing/rooms/room_scene.h"
@@ -92,32 +92,10 @@ void add(RoomScene& s, const Triangles& triangles, int material) {
   s.b.node({{"mesh", s.b.mesh(primitive)}});
 }
 
-// In both rooms, away from the walls and from the light's way.
-Vec3d place_in_rooms(size_t i) {
-  const auto turn = [i](double step) {
-    return std::fmod(0.5 + step * static_cast<double>(i), 1.0);
-  };
-  return {(i % 2) * (kRoom + kWall) + 0.2 + 1.6 * turn(0.6180339887),
-          0.05 + 0.5 * turn(0.4142135624), -0.9 + 1.8 * turn(0.7320508076)};
-}
-
-// Triangles without area, of 1e-12 m2, and a million times as long as wide.
-RoomScene degenerate_triangles() {
-  RoomScene s = two_rooms();
-  Triangles all;
-  for (size_t i = 0; i < 300; ++i) {
-    const Vec3d p = place_in_rooms(i), q = place_in_rooms(i + 2), up{0, 1e-6, 0};
-    all.push_back({p, p, p});
-    all.push_back({p, p + (q - p) * 0.5, q});
-    all.push_back({p, p + up, p + Vec3d{2e-6, 0, 0}});
-    all.push_back({p, q, q + up * length(q - p)});
-  }
-  add(s, all, s.diffuse("bad", 0.5, 0.5, 0.5));
-  return s;
-}
-
-// All surfaces twice, and once more displaced by a tenth of a micrometre.
-RoomScene doubled_surfaces() {
+// Triangles without area, of 1e-12 m2, and a million times as long as wide; sheets that cross each
+// other, the walls and the floor; T-junctions; all surfaces twice, and once more a tenth of a
+// micrometre beside.
+RoomScene bad_meshes() {
   RoomScene s = two_rooms();
   const Json nodes = s.b.json["nodes"];
   for (const Json& node : nodes) {
@@ -127,18 +105,37 @@ RoomScene doubled_surfaces() {
     beside["translation"] = {1e-7, 1e-7, 1e-7};
     s.b.node(beside);
   }
-  return s;
-}
-
-// Sheets that cross each other, the walls and the floor.
-RoomScene intersecting_triangles() {
-  RoomScene s = two_rooms();
+  // In both rooms, away from the walls and from the light's way.
+  const auto place = [](size_t i) {
+    const auto turn = [i](double step) {
+      return std::fmod(0.5 + step * static_cast<double>(i), 1.0);
+    };
+    return Vec3d{(i % 2) * (kRoom + kWall) + 0.2 + 1.6 * turn(0.6180339887),
+                 0.05 + 0.5 * turn(0.4142135624), -0.9 + 1.8 * turn(0.7320508076)};
+  };
   Triangles all;
   for (size_t i = 0; i < 200; ++i) {
-    const Vec3d p = place_in_rooms(i), q = place_in_rooms(i + 14);
-    all.push_back({p, p + (q - p) * 0.2 + Vec3d{0, -0.3, 0}, p + Vec3d{0.1, 0.2, 0.25}});
+    const Vec3d p = place(i), q = place(i + 2), r = place(i + 14), up{0, 1e-6, 0};
+    all.push_back({p, p, p});
+    all.push_back({p, p + (q - p) * 0.5, q});
+    all.push_back({p, p + up, p + Vec3d{2e-6, 0, 0}});
+    all.push_back({p, q, q + up * length(q - p)});
+    all.push_back({p, p + (r - p) * 0.2 + Vec3d{0, -0.3, 0}, p + Vec3d{0.1, 0.2, 0.25}});
   }
-  add(s, all, s.diffuse("crossing", 0.5, 0.5, 0.5));
+  // Strips just above the floors: corners of neighbours lie inside their edges.
+  constexpr size_t kStrips = 6;
+  for (const double x : {0.0, kRoom + kWall})
+    for (size_t i = 0; i < kStrips; ++i)
+      for (size_t k = 0; k < 5 + i; ++k) {
+        const auto part = [](size_t n, size_t of) {
+          return 2.0 * static_cast<double>(n) / static_cast<double>(of);
+        };
+        const double a = x + part(i, kStrips), b = x + part(i + 1, kStrips);
+        const double y = 1e-3, near = part(k, 5 + i) - 1, far = part(k + 1, 5 + i) - 1;
+        all.push_back({Vec3d{a, y, far}, {b, y, far}, {b, y, near}});
+        all.push_back({Vec3d{a, y, far}, {b, y, near}, {a, y, near}});
+      }
+  add(s, all, s.diffuse("bad", 0.5, 0.5, 0.5));
   return s;
 }
 
@@ -175,26 +172,6 @@ RoomScene sheet_with_a_hole() {
   return s;
 }
 
-// Strips just above the floors: corners of neighbours lie inside their edges.
-RoomScene t_junctions() {
-  RoomScene s = two_rooms();
-  constexpr size_t kStrips = 6;
-  Triangles strips;
-  for (const double x : {0.0, kRoom + kWall})
-    for (size_t i = 0; i < kStrips; ++i)
-      for (size_t k = 0; k < 5 + i; ++k) {
-        const auto part = [](size_t n, size_t of) {
-          return 2.0 * static_cast<double>(n) / static_cast<double>(of);
-        };
-        const double a = x + part(i, kStrips), b = x + part(i + 1, kStrips);
-        const double y = 1e-3, near = part(k, 5 + i) - 1, far = part(k + 1, 5 + i) - 1;
-        strips.push_back({Vec3d{a, y, far}, {b, y, far}, {b, y, near}});
-        strips.push_back({Vec3d{a, y, far}, {b, y, near}, {a, y, near}});
-      }
-  add(s, strips, s.diffuse("strips", 0.5, 0.5, 0.5));
-  return s;
-}
-
 RoomScene hundred_thousand_lamps() {
   RoomScene s;
   s.row(2, kHole);
@@ -210,29 +187,18 @@ RoomScene hundred_thousand_lamps() {
   return s;
 }
 
-Extreme placed(const std::string& name, const Vec3d& scale, const Vec3d& move = {}) {
-  Extreme e{.name = name, .scene = two_rooms()};
-  e.to_world = {Vec3d{scale.x, 0, 0}, Vec3d{0, scale.y, 0}, Vec3d{0, 0, scale.z}, move};
-  return e;
-}
-
 std::vector<Extreme> with_their_portal() {
   const Opening slit{5e-4, 1.9995, -1e-3, 1e-3};
   std::vector<Extreme> all;
-  all.push_back(placed("ten_million_sizes_away", Vec3d(1), {4.1e7, 1.2e7, -2e7}));
-  all.push_back(placed("mirrored_and_stretched", {-3, 1, 0.5}));
-  all.push_back(
-      {.name = "triangles_without_area_tiny_and_needles", .scene = degenerate_triangles()});
-  all.push_back({.name = "surfaces_doubled_and_coplanar", .scene = doubled_surfaces()});
-  all.push_back({.name = "intersecting_triangles", .scene = intersecting_triangles()});
+  all.push_back({.name = "mirrored_and_stretched_ten_million_sizes_away", .scene = two_rooms()});
+  all.back().to_world = {Vec3d{-3, 0, 0}, {0, 1, 0}, {0, 0, 0.5}, {4.1e7, 1.2e7, -2e7}};
+  all.push_back({.name = "bad_meshes", .scene = bad_meshes()});
   all.push_back({.name = "wall_of_no_thickness", .scene = sheet_with_a_hole(), .thickness = 0});
-  all.push_back({.name = "t_junctions", .scene = t_junctions()});
   all.push_back({.name = "slit_1000_times_as_long_as_wide",
                  .scene = two_rooms(slit),
                  .hole = slit,
                  .few_walks = false});
   all.push_back({.name = "lamp_of_1e_8_square_metres", .scene = two_rooms(kHole, 10, 0.5e-4)});
-  all.push_back({.name = "lamp_as_large_as_the_ceiling", .scene = two_rooms(kHole, 10, 1)});
   all.push_back({.name = "hundred_thousand_lamps", .scene = hundred_thousand_lamps()});
   return all;
 }
@@ -256,22 +222,23 @@ TEST_P(ExtremePortal, lies_in_the_opening) {
 INSTANTIATE_TEST_SUITE_P(extremes, ExtremePortal, ::testing::ValuesIn(with_their_portal()),
                          [](const auto& p) { return p.param.name; });
 
-TEST(extremes, units_and_radiance_do_not_move_a_portal_by_a_voxel) {
-  const auto run_at = [](double scale, double radiance) {
-    Extreme e = placed("", Vec3d(scale));
-    e.scene = two_rooms(kHole, radiance);
-    return run_on(glb_of(e), true);
-  };
-  const StagesRun plain = run_at(1, 10);
-  ASSERT_EQ(plain.portals.size(), 1u);
-  for (const auto& [scale, radiance] : {std::pair{1e-6, 1e-30}, {1e6, 1e30}}) {
-    const StagesRun other = run_at(scale, radiance);
-    ASSERT_EQ(other.portals.size(), 1u) << scale;
-    std::vector<Portal> expected = plain.portals;
-    for (Vec3d& v : expected[0].vertices) v *= scale;
-    EXPECT_LT(distance_to_nearest(other.portals[0], expected), other.voxel) << scale;
-    for (Vec3d& v : expected[0].vertices) v.y += 2 * other.voxel;  // twin
-    EXPECT_GT(distance_to_nearest(other.portals[0], expected), other.voxel) << scale;
+// However the room is written, its portal stays in place within a voxel.
+TEST(extremes, triangles_units_place_and_power_do_not_move_a_portal) {
+  const KnownRoom room = known_room(RoomKind::hole, 2001);
+  const StagesRun base = run_on(room.plan.glb(), true);
+  ASSERT_EQ(base.portals.size(), 1u) << base.said;
+  for (const auto& [scale, power] : {std::pair{1e-6, 1e-31}, {1e6, 1e28}}) {
+    const Writing other{.splitting = Splitting::in_4,
+                        .shuffle = 9,
+                        .power = power,
+                        .placement = {{0.3, 1, 0.2}, 0.576, scale, Vec3d{800, 10, -600} * scale}};
+    const StagesRun again = run_on(room.plan.glb(other), true);
+    ASSERT_EQ(again.portals.size(), 1u) << scale << " " << again.said;
+    Portal moved = base.portals[0];
+    for (Vec3d& v : moved.vertices) v = other.placement(v);
+    EXPECT_LT(distance(moved, again.portals[0]), again.voxel) << scale;
+    for (Vec3d& v : moved.vertices) v.y += 2 * again.voxel;  // twin
+    EXPECT_GT(distance(moved, again.portals[0]), again.voxel) << scale;
   }
 }
 
@@ -281,17 +248,10 @@ struct Without {
   std::string said;
 };
 
-RoomScene lamp_alone(const std::array<double, 3>& from) {
+RoomScene back_of_a_lamp() {
   RoomScene s;
   s.ceiling_lamp(1, 10);
-  s.b.camera("camera", from, {1, 1.99, 0}, kFov, kAspect);
-  return s;
-}
-
-RoomScene one_triangle() {
-  RoomScene s;
-  add(s, {{Vec3d{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}}, s.emitter("lamp", 0, {1, 1, 1}, 1));
-  s.b.camera("camera", {0.2, 0.2, 2}, {0.2, 0.2, 0}, kFov, kAspect);
+  s.b.camera("camera", {1, 3.5, 0.01}, {1, 1.99, 0}, kFov, kAspect);
   return s;
 }
 
@@ -304,9 +264,7 @@ RoomScene camera_behind_everything() {
 }
 
 std::vector<Without> without_portal() {
-  return {{"one_triangle", one_triangle(), "no light reaches a surface"},
-          {"nothing_but_a_lamp", lamp_alone({1, 0.5, 0.01}), "no light reaches a surface"},
-          {"the_back_of_a_lamp", lamp_alone({1, 3.5, 0.01}), "no light reaches a surface"},
+  return {{"the_back_of_a_lamp", back_of_a_lamp(), "no light reaches a surface"},
           {"camera_behind_everything", camera_behind_everything(), "the camera sees no surface"},
           {"hole_of_a_ten_thousandth_of_the_room", two_rooms({0.9999, 1.0001, -1e-4, 1e-4}),
            "no light was found to reach the camera's room"},

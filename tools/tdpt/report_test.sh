@@ -19,7 +19,7 @@ cat >Makefile <<END
 TDPT_BIN = $bin/
 FFGRAPH_FLAGS = --set walks=5000 --samples 20000 --set rounds=0
 LIGHTGRID_FLAGS = --resolution 32
-REPORT_TIME = 1
+REPORT_TIME = 0.4
 REPORT_WIDTH = 16
 REPORT_REFERENCE = 2
 QUIET = 1
@@ -40,7 +40,7 @@ stages='room.cut room.max room.portal.glb '
 makes "a report" "${stages}room.report.html room.vdb " room.report.html -j4
 makes "a second time" "" room.report.html
 makes "a picture after it" "room.exr " TDPT_RENDER_FLAGS='--spp 1 --width 16' -n room.exr
-makes "another time" "room.report.html " REPORT_TIME=0.9 -n room.report.html
+makes "another time" "room.report.html " REPORT_TIME=0.3 -n room.report.html
 makes "other flags" "room.report.html " TDPT_RENDER_FLAGS='--set mis=power' -n room.report.html
 cp room.report.html first.html
 touch room.glb

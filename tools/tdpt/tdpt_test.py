@@ -18,12 +18,12 @@ import uuid
 BIN, TESTDATA = (os.path.abspath(path) for path in sys.argv[1:3])
 TDPT = os.path.join(BIN, "tdpt")
 QUICK = ["--spp", "2", "--width", "16"]
-KILLS = int(os.environ.get("KILLS", "15"))  # 50 in make test-long
+KILLS = int(os.environ.get("KILLS", "8"))  # 50 in make test-long
 # A rendering whose first film is there long before its end; tests stop the program there, whatever the machine's speed.
-PICTURE = ["--spp", "30", "--width", "64", "--integrator", "tdpt-guided"]
+PICTURE = ["--spp", "16", "--width", "64", "--integrator", "tdpt-guided"]
 LONG = [*PICTURE, "--set", "checkpoint-every=0", "--threads", "1"]
 # An ffgraph that is easily met at work.
-SLOW = {"FFGRAPH_FLAGS": "--set walks=20000 --samples 200000 --set rounds=0"}
+SLOW = {"FFGRAPH_FLAGS": "--set walks=20000 --samples 100000 --set rounds=0"}
 
 
 class Tdpt(unittest.TestCase):
@@ -68,10 +68,6 @@ class Tdpt(unittest.TestCase):
     def bytes_of(self, name):
         with open(self.path(name), "rb") as stream:
             return stream.read()
-
-    def provenance(self, name):
-        return subprocess.run([os.path.join(BIN, "tdpt-info"), self.path(name)], check=True, capture_output=True,
-                              text=True).stdout
 
     def processes(self):
         """Those that a run has started, itself included."""
@@ -150,74 +146,45 @@ class Tdpt(unittest.TestCase):
         self.run_tdpt("other.glb", "-o", "p.exr", *QUICK, expect=2)
 
     def test_a_picture_made_by_hand_after_a_run_that_was_stopped(self):
-        for number in (signal.SIGTERM, signal.SIGKILL):
-            self.stop(number)
-            with open(self.path("p.exr"), "wb") as stream:
-                stream.write(b"by hand")
-            self.run_tdpt("room.glb", "-o", "p.exr", *LONG, expect=2)
-            self.assertEqual(self.bytes_of("p.exr"), b"by hand")
-            os.remove(self.path("p.exr"))
-
-    def test_equal_pictures_of_two_commands(self):
-        os.mkdir(self.path("a"))
-        os.mkdir(self.path("b"))
-        for name in "ab":
-            self.scene("two-rooms", f"{name}/room.glb")
-            self.run_tdpt(f"{name}/room.glb", "-o", f"{name}/p.exr", *QUICK, "--preview")
-        self.assertEqual(self.bytes_of("a/p.exr"), self.bytes_of("b/p.exr"))
-        self.run_tdpt("a/room.glb", "-o", "a/q.exr", *QUICK)
-        _, err = self.run_tdpt("a/room.glb", "-o", "a/p.exr", *QUICK, "--preview")
-        self.assertIn("is up to date", err)
-        self.scene("window", "a/room.glb")
-        open(self.path("2"), "w").close()  # the value of an option is no file
-        self.run_tdpt("a/room.glb", "-o", "a/p.exr", *QUICK, "--preview")
+        self.stop(signal.SIGTERM)
+        with open(self.path("p.exr"), "wb") as stream:
+            stream.write(b"by hand")
+        self.run_tdpt("room.glb", "-o", "p.exr", *LONG, expect=2)
+        self.assertEqual(self.bytes_of("p.exr"), b"by hand")
 
     def test_preview_has_the_exposure_that_is_asked_for(self):
         words = ["room.glb", "-o", "p.exr", *QUICK]
         self.run_tdpt(*words)
-        made = os.stat(self.path("p.exr"))
+        before = self.bytes_of("p.exr")
         previews = {}
         for exposure in ([], ["--exposure=-3"], ["--exposure=2"], []):
             _, err = self.run_tdpt(*words, "--preview", *exposure)
             self.assertIn("tdpt: wrote p.png\n", err)
             self.assertNotIn("rendering", err)
-            _, err = self.run_tdpt(*words, "--preview", *exposure)
-            self.assertNotIn("wrote", err)
             png = self.bytes_of("p.png")
             self.assertEqual(previews.setdefault(str(exposure), png), png)
+        _, err = self.run_tdpt(*words, "--preview")
+        self.assertNotIn("wrote", err)
         self.assertEqual(len(set(previews.values())), 3)
-        after = os.stat(self.path("p.exr"))
-        self.assertEqual((after.st_ino, after.st_mtime_ns), (made.st_ino, made.st_mtime_ns))
-        # As the renderer shows it.
-        self.run_tdpt(*words[:2], "q.exr", *QUICK, "--preview")
-        self.assertEqual(self.bytes_of("q.png"), self.bytes_of("p.png"))
-        os.remove(self.path("p.png"))
-        out, _ = self.run_tdpt(*words, "--preview", "--exposure=2", "--dry-run")
-        subprocess.run(["sh", "-c", out], cwd=self.here, check=True, stderr=subprocess.DEVNULL)
-        self.assertEqual(self.bytes_of("p.png"), previews["['--exposure=2']"])
+        self.assertEqual(self.bytes_of("p.exr"), before)
 
     def test_its_own_picture_is_replaced_by_another_command(self):
         self.run_tdpt("room.glb", "-o", "p.exr", *QUICK)
         self.scene("furnace", "other.glb")
-        for words in (["other.glb", *QUICK], ["room.glb", *QUICK, "--seed", "2"], ["room.glb", "--spp", "2", "--width", "12"],
-                      ["room.glb", *QUICK]):
+        for words in (["other.glb", *QUICK], ["room.glb", "--spp", "2", "--width", "12"], ["room.glb", *QUICK]):
             _, err = self.run_tdpt(*words, "-o", "p.exr")
             self.assertIn("wrote p.exr", err)
             self.assertEqual("goes on from" in err, words == ["room.glb", *QUICK], err)  # the film is still there
             self.run_tdpt(*words, "-o", "alone.exr", "--work", "alone")
             self.assertEqual(self.bytes_of("p.exr"), self.bytes_of("alone.exr"), words)
-        # One that was changed since is nobody's.
-        before = self.bytes_of("p.exr")
-        with open(self.path("p.exr"), "ab") as stream:
-            stream.write(b" ")
-        _, err = self.run_tdpt("room.glb", *QUICK, "--seed", "3", "-o", "p.exr", expect=2)
-        self.assertIn("p.exr: is there already, and tdpt did not make it; --force replaces it", err)
-        with open(self.path("p.exr"), "wb") as stream:
-            stream.write(before)
-        # What shapes nothing makes no other command; a picture that was moved is known.
+        # What shapes nothing makes no other command; a picture that was moved is known, one that was changed is nobody's.
         os.rename(self.path("p.exr"), self.path("q.exr"))
         _, err = self.run_tdpt("room.glb", "-o", "q.exr", *QUICK, "--threads", "1")
         self.assertIn("q.exr is up to date", err)
+        with open(self.path("q.exr"), "ab") as stream:
+            stream.write(b" ")
+        _, err = self.run_tdpt("room.glb", *QUICK, "--seed", "3", "-o", "q.exr", expect=2)
+        self.assertIn("q.exr: is there already, and tdpt did not make it; --force replaces it", err)
 
     def test_more_samples_go_on_from_those_that_are_there(self):
         def same(a, b):
@@ -225,72 +192,48 @@ class Tdpt(unittest.TestCase):
             return json.loads(out.stdout)["mse"] == 0
         words = ["room.glb", "-o", "p.exr", "--width", "16", "--integrator", "bdpt"]
         self.run_tdpt(*words, "--spp", "4")
-        for spp, goes_on in (("8", True), ("9", True), ("6", False), ("6", None)):
+        for spp, goes_on in (("9", True), ("6", False), ("6", None)):
             _, err = self.run_tdpt(*words, "--spp", spp)
             self.assertEqual("goes on from" in err and "begins with the first sample" not in err, goes_on is True, err)
             self.assertEqual("is up to date" in err, goes_on is None, err)
             self.run_tdpt(*words[:2], "alone.exr", *words[3:], "--spp", spp, "--work", "alone" + spp)
             self.assertTrue(same("p.exr", "alone.exr"), spp)
             os.remove(self.path("alone.exr"))
-        # With another seed, or without a number, it is another picture.
-        for more in (["--spp", "12", "--seed", "2"], ["--seed", "2"]):
-            _, err = self.run_tdpt(*words, *more)
-            self.assertNotIn("goes on from", err)
-        _, err = self.run_tdpt(*words, "--seed", "2", "--spp", "20")  # of the 16 that it has by default
-        self.assertIn("goes on from", err)
+        _, err = self.run_tdpt(*words, "--spp", "12", "--seed", "2")  # another picture
+        self.assertNotIn("goes on from", err)
 
-    def test_an_older_scene_is_another_scene(self):
-        self.run_tdpt("room.glb", "-o", "p.exr", *QUICK)
-        first = self.bytes_of("p.exr")
-        self.scene("window", "room.glb")
-        self.run_tdpt("room.glb", "-o", "p.exr", *QUICK)
-        self.assertNotEqual(self.bytes_of("p.exr"), first)
-        # A backup is restored, with its time.
-        self.scene("two-rooms", "room.glb")
-        os.utime(self.path("room.glb"), (1e9, 1e9))
-        self.run_tdpt("room.glb", "-o", "p.exr", *QUICK)
-        self.assertEqual(self.bytes_of("p.exr"), first)
-        # A clock that went on, and a file that only looks new, make nothing.
-        os.utime(self.path("room.glb"))
-        _, err = self.run_tdpt("room.glb", "-o", "p.exr", *QUICK)
-        self.assertIn("is up to date", err)
-
-    def test_textures_and_skies_count(self):
+    def test_what_is_read_counts_and_not_its_time(self):
         subprocess.run(["sh", os.path.join(TESTDATA, "..", "libcommon", "testing", "files", "loose_scene.sh"), self.path("room.glb"),
                         self.path("loose")], check=True, cwd=self.here)
         shutil.copyfile(os.path.join(TESTDATA, "environments", "clear.exr"), self.path("sky.exr"))
         words = ["loose.gltf", "-o", "p.exr", *QUICK, "--environment", "sky.exr"]
         self.run_tdpt(*words)
-        for name in ("loose.png", "loose.bin", "sky.exr"):
-            _, err = self.run_tdpt(*words)
-            self.assertIn("is up to date", err)
+        for name in ("loose.gltf", "loose.png", "loose.bin", "sky.exr"):
             before = self.bytes_of(name)
             with open(self.path(name), "ab") as stream:
                 stream.write(b" ")
+            os.utime(self.path(name), (1e9, 1e9))
             out, _ = self.run_tdpt(*words, "--dry-run")
             self.assertIn("/tdpt-render", out, f"{name} has changed")
             with open(self.path(name), "wb") as stream:
                 stream.write(before)
+            _, err = self.run_tdpt(*words)
+            self.assertIn("is up to date", err)
         os.rename(self.path("loose.png"), self.path("away.png"))
         out, _ = self.run_tdpt(*words, "--dry-run")
         self.assertIn("/tdpt-render", out, "a texture is gone")
 
     def test_a_scene_that_is_saved_under_way(self):
-        for program, env in (("ffgraph", SLOW), ("lightgrid", None)):
-            with self.subTest(program):
-                self.scene("two-rooms", "room.glb")
-                shutil.rmtree(self.cache, ignore_errors=True)
-                child = self.start("room.glb", "-o", program + ".exr", *QUICK, env=env)
-                self.scene("furnace", "new.glb")
-                with self.held(program):
-                    os.replace(self.path("new.glb"), self.path("room.glb"))
-                err = child.communicate()[1].decode()
-                self.assertEqual(child.returncode, 3, err)
-                self.assertIn("room.glb: has changed while tdpt was at work; start it again", err)
-                self.run_tdpt("room.glb", "-o", program + ".exr", *QUICK, env=env)
-                self.run_tdpt("room.glb", "-o", "alone.exr", *QUICK, "--work", "fresh", env=env)
-                self.assertEqual(self.bytes_of(program + ".exr"), self.bytes_of("alone.exr"))
-                os.remove(self.path("alone.exr"))
+        child = self.start("room.glb", "-o", "p.exr", *QUICK, env=SLOW)
+        self.scene("furnace", "new.glb")
+        with self.held("ffgraph"):
+            os.replace(self.path("new.glb"), self.path("room.glb"))
+        err = child.communicate()[1].decode()
+        self.assertEqual(child.returncode, 3, err)
+        self.assertIn("room.glb: has changed while tdpt was at work; start it again", err)
+        self.run_tdpt("room.glb", "-o", "p.exr", *QUICK, env=SLOW)
+        self.run_tdpt("room.glb", "-o", "alone.exr", *QUICK, "--work", "fresh", env=SLOW)
+        self.assertEqual(self.bytes_of("p.exr"), self.bytes_of("alone.exr"))
 
     def pids_of(self, program):
         found = []
@@ -347,8 +290,7 @@ class Tdpt(unittest.TestCase):
 
     def test_names_are_never_run(self):
         planted = "touch ${HOME}ran"
-        names = ["a$(id>ran).glb", "a`id>ran`b.glb", "a&id>ran&b.glb", "kitchen(1).glb", "My flat.glb", "it's.glb", "a;b #c%d.glb",
-                 "-a.glb", "line\nbreak.glb", "\udcff.glb"]
+        names = ["a$(id>ran).glb", "a`id>ran`&it's (1);b #c%d.glb", "-a.glb", "line\nbreak.glb", "\udcff.glb"]
         for name in names:
             with self.subTest(name):
                 self.scene("two-rooms", name)
@@ -365,18 +307,6 @@ class Tdpt(unittest.TestCase):
         _, err = self.run_tdpt("room.glb", "-o", "x.exr", "--environment", "$(id>ran)", expect=3)
         self.assertIn("$(id>ran): cannot be opened", err)
         self.assertEqual([name for name in os.listdir(self.here) if name.endswith("ran")], [])
-        folder = os.path.join(self.here, "My Scenes")
-        os.mkdir(folder)
-        shutil.copyfile(self.path("room.glb"), os.path.join(folder, "My flat.glb"))
-        self.run_tdpt("My Scenes/My flat.glb", "-o", "My Scenes/My flat.exr", *QUICK, "--preview", "--work", "My Scenes/work here")
-
-    def test_dry_run_prints_what_can_be_run(self):
-        words = ["room.glb", *QUICK, "--quality", "draft", "--look-from", "-1,1,0", "--look-at=2,1,0", "--fov", "40"]
-        out, _ = self.run_tdpt(*words, "-o", "by-hand.exr", "--work", "dry", "--dry-run")
-        self.assertEqual(os.listdir(self.here), ["room.glb"])
-        subprocess.run(["sh", "-e"], input=out, text=True, cwd=self.here, check=True, capture_output=True)
-        self.run_tdpt(*words, "-o", "by-tdpt.exr")
-        self.assertEqual(self.bytes_of("by-hand.exr"), self.bytes_of("by-tdpt.exr"))
 
     # Signals.
 
@@ -390,7 +320,7 @@ class Tdpt(unittest.TestCase):
 
     def test_a_signal_leaves_the_picture_and_the_next_run_goes_on(self):
         self.whole()
-        for number, to in ((signal.SIGTERM, "child"), (signal.SIGINT, "group"), (signal.SIGHUP, "child")):
+        for number, to in ((signal.SIGTERM, "child"), (signal.SIGINT, "group")):
             with self.subTest(f"{number} to {to}"):
                 code, err = self.stop(number, to)
                 self.assertEqual(code, 6, err)
@@ -403,31 +333,6 @@ class Tdpt(unittest.TestCase):
                 self.assertEqual(sorted(os.listdir(self.here)), ["p.exr", "room.glb"])
                 os.remove(self.path("p.exr"))
                 shutil.rmtree(self.cache)  # the film of this one
-
-    def test_what_is_said_of_a_resumed_picture_is_what_is_said_of_a_whole_one(self):
-        def told(err):
-            lines = [line for line in err.splitlines() if line.startswith("tdpt-render: ") and "goes on from" not in line]
-            return [re.sub(r"[0-9.]+ (s|CPU s|minutes)\b", "T", line) for line in lines]
-
-        def stats(name):
-            with open(self.path(name), encoding="utf-8") as stream:
-                text = stream.read()
-            return json.loads(re.sub('"(seconds|cpu_seconds|cpu)":[^,}]*', r'"\1":0', text))
-        words = ["room.glb", "--spp", "30", "--width", "64", "--set", "checkpoint-every=0", "--threads", "1", "--stats"]
-        _, whole = self.run_tdpt(*words, "whole.json", "-o", "whole.exr", "--work", "whole")
-        child = self.start(*words, "p.json", "-o", "p.exr")
-        with self.held("tdpt-render", self.film):
-            child.kill()
-        child.communicate()
-        _, err = self.run_tdpt(*words, "p.json", "-o", "p.exr")
-        self.assertIn("goes on from", err)
-        # What was measured before the first samples is said by the run that measured it.
-        self.assertEqual(told(err)[0], "tdpt-render: rendering with tdpt-guided")
-        self.assertEqual(told(err)[1:], told(whole)[2:])
-        measured = ("pilot", "frames")
-        self.assertTrue(set(measured) <= stats("whole.json").keys())
-        self.assertEqual(*({key: value for key, value in stats(name).items() if key not in measured}
-                           for name in ("p.json", "whole.json")))
 
     def test_a_signal_before_the_picture(self):
         code, err = self.stop(signal.SIGTERM, program="ffgraph")
@@ -458,7 +363,7 @@ class Tdpt(unittest.TestCase):
             os.kill(pid, signal.SIGKILL)
 
     def test_kills_leave_nothing_behind(self):
-        words = ["room.glb", "-o", "p.exr", "--preview", "--spp", "30", "--width", "48", "--set", "checkpoint-every=0"]
+        words = ["room.glb", "-o", "p.exr", "--preview", "--spp", "16", "--width", "48", "--set", "checkpoint-every=0"]
         began = time.monotonic()
         self.run_tdpt("room.glb", "-o", "whole.exr", *words[3:])
         lasts = time.monotonic() - began
@@ -498,26 +403,16 @@ class Tdpt(unittest.TestCase):
     def test_a_report_that_is_killed_leaves_no_process(self):
         def measures():
             return any(b"/report/with.0.exr" in self.command_of(pid) for pid in self.pids_of("tdpt-render"))
-        # Its first rendering takes 1.5 s. What is stopped, and outlives a kill, is there for as long as is looked.
-        for number, code, seconds in ((signal.SIGKILL, -9, 2), (signal.SIGTERM, 6, 1)):
-            child = self.start("room.glb", "-o", "p.exr", *QUICK, "--report", "--threads", "1",
-                               env={"REPORT_TIME": "24", "REPORT_WIDTH": "64"})
-            with self.held("tdpt-render", measures) if number == signal.SIGKILL else contextlib.nullcontext():
-                self.wait_until(measures, "the report is measured")
-                child.send_signal(number)
-                err = child.communicate()[1].decode()
-                self.assertEqual(child.returncode, code, err)
-                self.wait_until(lambda: not self.processes(), "all have ended", seconds)
-            self.assertEqual(sorted(os.listdir(self.here)), ["p.exr", "room.glb"])
+        child = self.start("room.glb", "-o", "p.exr", *QUICK, "--report", "--threads", "1", env={"REPORT_TIME": "24", "REPORT_WIDTH": "64"})
+        # What is stopped, and outlives a kill, is there for as long as is looked.
+        with self.held("tdpt-render", measures):
+            child.kill()
+            self.assertEqual(child.wait(), -signal.SIGKILL)
+            self.wait_until(lambda: not self.processes(), "all have ended", 2)
+        child.communicate()
+        self.assertEqual(sorted(os.listdir(self.here)), ["p.exr", "room.glb"])
 
     # What it says.
-
-    def test_a_report_says_how_long_it_takes(self):
-        _, err = self.run_tdpt("room.glb", "-o", "p.exr", *QUICK, "--report", env={"REPORT_TIME": "0.2", "REPORT_WIDTH": "16",
-                                                                               "REPORT_REFERENCE": "2"})
-        self.assertRegex(err, r"report: renders 16 pixels wide, .* for 0\.2 CPU seconds each, and a reference for about 0\.4: about [0-9]+ s")
-        for number in (1, 2, 3):
-            self.assertRegex(err, f"report: {number} of 3: .*, about [0-9]+ s")
 
     def test_progress_is_one_line_or_json(self):
         _, err = self.run_tdpt("room.glb", "-o", "p.exr", *QUICK, "--set", "progress=json", "--quiet")
@@ -577,19 +472,6 @@ class Tdpt(unittest.TestCase):
         _, err = self.run_tdpt("room.glb", "-o", "p.exr", *LONG)
         self.assertIn("what the run before left cannot be used; begins with the first sample", err)
         self.assertEqual(self.bytes_of("p.exr"), self.whole())
-
-    def test_folders_of_others_stay(self):
-        for name in ("w/picture-finals", "w/portals-of-the-church"):
-            os.makedirs(self.path(name))
-        self.run_tdpt("--clean", "--work", "w", expect=2)
-        _, err = self.run_tdpt("room.glb", "-o", "p.exr", *QUICK, "--work", "w", "--work-size", "1", expect=2)
-        self.assertIn("has other things in it, expected a folder of its own", err)
-        self.run_tdpt("room.glb", "-o", "p.exr", *QUICK)
-        work = os.path.join(self.cache, "tdpt")
-        os.mkdir(os.path.join(work, "portals-of-the-church"))
-        self.run_tdpt("--clean")
-        self.assertIn("portals-of-the-church", os.listdir(work))
-        self.assertEqual(sorted(os.listdir(self.path("w"))), ["picture-finals", "portals-of-the-church"])
 
     def test_nobody_reads_what_it_says(self):
         for more in ("2>/dev/full", "<&- >&- 2>&-"):

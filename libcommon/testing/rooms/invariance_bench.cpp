@@ -4,17 +4,16 @@
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
-#include <filesystem>
 #include <fstream>
 #include <thread>
 
+#include "libcommon/testing/files/temp_folder.h"
 #include "libcommon/testing/rooms/known_rooms.h"
-#include "libcommon/testing/rooms/portal_distance.h"
+#include "libcommon/testing/rooms/portal_score.h"
 #include "libcommon/testing/rooms/portal_stages.h"
 
 namespace tdpt::testing {
 namespace {
-namespace fs = std::filesystem;
 
 struct Variant {
   const char* name;
@@ -38,11 +37,11 @@ std::vector<Variant> variants() {
   return all;
 }
 
-int main_of(const std::string& bin, uint64_t rooms) {
+void measure(const std::string& bin, uint64_t rooms) {
   const RoomKind kinds[] = {RoomKind::hole, RoomKind::through_floor, RoomKind::two_openings,
                             RoomKind::holes_in_row, RoomKind::slit};
-  std::string folder = (fs::temp_directory_path() / "invariance-bench-XXXXXX").string();
-  if (!mkdtemp(folder.data())) return 4;
+  const TempFolder folder;
+  const std::string stem = (folder.path / "room").string();
   std::printf("| change | rooms | same number | median distance | 90 %% | largest |\n");
   std::printf("|---|---|---|---|---|---|\n");
   std::vector<StagesRun> first;
@@ -52,7 +51,6 @@ int main_of(const std::string& bin, uint64_t rooms) {
     for (const RoomKind kind : kinds)
       for (uint64_t seed = 1; seed <= rooms; ++seed, ++at) {
         const KnownRoom room = known_room(kind, seed);
-        const std::string stem = folder + "/room";
         std::ofstream(stem + ".glb", std::ios::binary) << room.plan.glb(variant.writing);
         PortalStages stages{bin, {}, static_cast<int>(std::thread::hardware_concurrency())};
         for (const char* name : {"ffgraph", "lightgrid"}) stages.options[name] = variant.seed;
@@ -84,8 +82,6 @@ int main_of(const std::string& bin, uint64_t rooms) {
                 distances.back());
     std::fflush(stdout);
   }
-  fs::remove_all(folder);
-  return 0;
 }
 
 }  // namespace
@@ -96,5 +92,5 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "usage: invariance_bench BIN [ROOMS]\n");
     return 2;
   }
-  return tdpt::testing::main_of(argv[1], argc > 2 ? std::strtoull(argv[2], nullptr, 10) : 3);
+  tdpt::testing::measure(argv[1], argc > 2 ? std::strtoull(argv[2], nullptr, 10) : 3);
 }

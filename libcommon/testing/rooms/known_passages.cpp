@@ -4,30 +4,27 @@
 #include <numbers>
 
 #include "libcommon/testing/rooms/known_kinds.h"
-#include "libcommon/testing/rooms/plan_walls.h"
-#include "libcommon/testing/rooms/room_furniture.h"
 
 namespace tdpt::testing {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
-
 // A row of the camera's space, a wall, and the lamps' space.
 struct Pair {
   Space near, far;
-  Wall wall;
+  Wall wall = wall_between(near, far);
 };
 
-Pair pair_of(const Space& near, const Space& far) {
-  return {near, far, wall_between(near, far)};
+// Two rooms of equal height and depth, so long.
+Pair alike(double height, double depth, double wall, double near, double far) {
+  const double z = 0.5 * depth;
+  return {{0, near, 0, height, -z, z}, {near + wall, near + wall + far, 0, height, -z, z}};
 }
 
-// Two rooms of equal height and depth.
 Pair rooms_for_a_door(Site& site, double low, double high) {
   const double h = site.between(2.4, 2.8), d = site.between(std::max(low, 2.4), high);
   const double t = site.log_between(0.01, 0.3);
   const double a = site.between(low, high), b = site.between(low, high);
-  return pair_of({0, a, 0, h, -0.5 * d, 0.5 * d}, {a + t, a + t + b, 0, h, -0.5 * d, 0.5 * d});
+  return alike(h, d, t, a, b);
 }
 
 void shells(Site& site, const Pair& rooms) {
@@ -187,7 +184,7 @@ void arch(Site& site) {
     return {x0, x0 + l, 0, h, -0.5 * d, 0.5 * d};
   };
   const Space near = space(0);
-  const Pair rooms = pair_of(near, space(near.x1 + t));
+  const Pair rooms{near, space(near.x1 + t)};
   shells(site, rooms);
   const RoundArch arch = arch_into(site, rooms);
   site.part("wall", pierced(rooms.wall, arch));
@@ -200,8 +197,9 @@ void banister(Site& site) {
   const double h = site.between(2.3, 2.8), d = site.between(3, 6), t = site.log_between(0.05, 0.25);
   const double drop = site.between(0.3, 2.6), a = site.between(3, 5), b = site.between(3, 5);
   const bool camera_below = site.chance(0.5);
-  const Pair rooms = pair_of({0, a, camera_below ? -drop : 0, h, -0.5 * d, 0.5 * d},
-                             {a + t, a + t + b, camera_below ? 0 : -drop, h, -0.5 * d, 0.5 * d});
+  Pair rooms = alike(h, d, t, a, b);
+  (camera_below ? rooms.near : rooms.far).y0 = -drop;
+  rooms.wall = wall_between(rooms.near, rooms.far);
   shells(site, rooms);
   const bool parapet = site.chance(0.5);
   const double w = site.between(1.2, std::min(2.5, d - 0.6));
@@ -221,8 +219,7 @@ void banister(Site& site) {
 void double_door(Site& site) {
   const double h = site.between(2.5, 3), d = site.between(3.6, 5), t = site.log_between(0.05, 0.3);
   const double a = site.between(3, 5), b = site.between(3, 5);
-  const Pair rooms =
-      pair_of({0, a, 0, h, -0.5 * d, 0.5 * d}, {a + t, a + t + b, 0, h, -0.5 * d, 0.5 * d});
+  const Pair rooms = alike(h, d, t, a, b);
   shells(site, rooms);
   const double width = site.between(1.2, 1.8), high = site.between(2, 2.3);
   const WallOpening whole = door(site, rooms.wall, width, high, 0.8);
@@ -275,7 +272,7 @@ void l_room(Site& site) {
   const Space near{0, a, 0, h, -0.5 * d, 0.5 * d};
   const Space far{a + t, a + t + first, 0, h, -0.5 * d, 0.5 * d};
   const Space arm{far.x1, far.x1 + second, 0, h, 0.5 * d - wide, 0.5 * d};
-  const Pair rooms = pair_of(near, far);
+  const Pair rooms{near, far};
   site.part("shell", shell(near, kX1));
   site.part("shell", shell(far, kX0 | kX1));
   site.part("shell", shell(arm, kX0));
@@ -283,8 +280,7 @@ void l_room(Site& site) {
   site.part("shell", pierced_face(beside, {}, true));
   const double width = site.between(0.6, 0.9), high = site.between(1.8, 2);
   const WallOpening open = door(site, rooms.wall, width, high);
-  site.part("wall", pierced(rooms.wall, {open}));
-  site.opening(aperture(rooms.wall, open));
+  pierce(site, rooms.wall, {open});
   site.lamps(site.chance(0.5) ? far : arm);
   furnish(site, near);
   furnish(site, far);
@@ -298,8 +294,7 @@ void alcove(Site& site) {
   site.part("shell", shell(far, kX0 | kX1));
   const double width = site.between(0.6, 0.9), high = site.between(1.8, 2);
   const WallOpening open = door(site, rooms.wall, width, high);
-  site.part("wall", pierced(rooms.wall, {open}));
-  site.opening(aperture(rooms.wall, open));
+  pierce(site, rooms.wall, {open});
 
   const double w = site.between(0.6, 1.2), h = site.between(0.6, 1.4),
                deep = site.between(0.4, 0.9);
@@ -319,8 +314,7 @@ void alcove(Site& site) {
 void shared_edge(Site& site) {
   const double h = site.between(2.7, 3.2), d = site.between(3, 4), t = site.log_between(0.01, 0.2);
   const double a = site.between(2.5, 4), b = site.between(2.5, 4);
-  const Pair rooms =
-      pair_of({0, a, 0, h, -0.5 * d, 0.5 * d}, {a + t, a + t + b, 0, h, -0.5 * d, 0.5 * d});
+  const Pair rooms = alike(h, d, t, a, b);
   shells(site, rooms);
   const double width = site.between(0.7, 0.9), high = site.between(1.8, 2);
   const WallOpening open = door(site, rooms.wall, width, high, 0.7);

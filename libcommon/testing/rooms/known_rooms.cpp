@@ -5,12 +5,9 @@
 #include <numbers>
 
 #include "libcommon/testing/rooms/known_kinds.h"
-#include "libcommon/testing/rooms/room_site.h"
 
 namespace tdpt::testing {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180;
 
 // Rooms of equal height and depth in a row along x. Draws all random numbers in a fixed order.
 class Row {
@@ -20,8 +17,7 @@ class Row {
   KnownRoom build() {
     choose_sizes();
     choose_openings();
-    shell();
-    for (size_t w = 0; w + 1 < lengths_.size(); ++w) wall(w);
+    shell_and_walls();
     if (is(RoomKind::ajar) || is(RoomKind::ajar_full)) leaf();
     site_.lamps(space(lamp_room_), lamp_room_ > 0);
     for (size_t r = 0; r < lengths_.size(); ++r) site_.furniture(space(r));
@@ -35,6 +31,7 @@ class Row {
   Space space(size_t room) const {
     return {start(room), end(room), 0, height_, -0.5 * depth_, 0.5 * depth_};
   }
+  Wall wall(size_t room) const { return wall_between(space(room), space(room + 1)); }
   double start(size_t room) const { return starts_[room]; }
   double end(size_t room) const { return starts_[room] + lengths_[room]; }
 
@@ -62,8 +59,8 @@ class Row {
 
   // `aside`: space for a leaf to open into, so that it does not narrow the light's way beside it.
   WallOpening somewhere(double height, double width, double sill, double aside = 0.1) {
-    const double z = between(-0.5 * depth_ + 0.1, 0.5 * depth_ - aside - width);
-    return {sill, sill + height, z, z + width};
+    const double s = between(0.1, depth_ - aside - width);
+    return {sill, sill + height, s, s + width};
   }
 
   WallOpening opening() {
@@ -120,51 +117,31 @@ class Row {
           openings.push_back(o);
       }
       const bool on_the_way = camera_room_ <= w && w < lamp_room_;
-      if (on_the_way && !is(RoomKind::ajar) && !is(RoomKind::ajar_full)) {
-        const double x = end(w) + 0.5 * thickness_[w];
-        for (const WallOpening& o : openings)
-          add({{{x, o.y0, o.z0}, {x, o.y0, o.z1}, {x, o.y1, o.z1}, {x, o.y1, o.z0}},
-               {-1, 0, 0},
-               thickness_[w]});
-      }
+      if (on_the_way && !is(RoomKind::ajar) && !is(RoomKind::ajar_full))
+        for (const WallOpening& o : openings) add(aperture(wall(w), o));
       openings_.push_back(std::move(openings));
     }
   }
 
-  // Floors, ceilings and outer walls, facing inwards.
-  void shell() {
-    const double z0 = -0.5 * depth_, z1 = 0.5 * depth_, h = height_;
-    std::vector<Quad> shell;
-    const auto level = [&](double xa, double xb, double y) {
-      shell.push_back({{{xa, y, z1}, {xb, y, z1}, {xb, y, z0}, {xa, y, z0}}});
-    };
+  void shell_and_walls() {
     const size_t last = lengths_.size() - 1;
     const bool through = is(RoomKind::through_floor);
-    if (through) level(start(0), end(last), 0);
-    for (size_t r = 0; r <= last; ++r) {
-      const double xa = start(r), xb = end(r);
-      if (!through) level(xa, xb, 0);
-      level(xa, xb, h);
-      shell.push_back({{{xa, 0, z0}, {xb, 0, z0}, {xb, h, z0}, {xa, h, z0}}});
-      shell.push_back({{{xb, 0, z1}, {xa, 0, z1}, {xa, h, z1}, {xb, h, z1}}});
+    if (through) {
+      const Space all{start(0), end(last), 0, height_, -0.5 * depth_, 0.5 * depth_};
+      site_.part("floor", shell(all, kX0 | kX1 | kZ0 | kZ1 | kCeiling));
     }
-    shell.push_back({{{start(0), 0, z1}, {start(0), 0, z0}, {start(0), h, z0}, {start(0), h, z1}}});
-    const double x = end(last);
-    shell.push_back({{{x, 0, z0}, {x, 0, z1}, {x, h, z1}, {x, h, z0}}});
-    site_.part("shell", std::move(shell));
-  }
-
-  void wall(size_t w) {
-    const WallOpening extent{0, height_, -0.5 * depth_, 0.5 * depth_};
-    site_.part("wall", wall_across_x(end(w), start(w + 1), extent, openings_[w],
-                                     !is(RoomKind::through_floor)));
+    for (size_t r = 0; r <= last; ++r)
+      site_.part("shell", shell(space(r), (r > 0 ? kX0 : 0u) | (r < last ? kX1 : 0u) |
+                                              (through ? kFloor : 0u)));
+    for (size_t w = 0; w < last; ++w) site_.part("wall", pierced(wall(w), openings_[w], !through));
   }
 
   // A leaf hinged on one side of the wall, a centimetre wider than the opening on both sides; its
   // inner face touches the wall along the hinge, so no light passes there.
   void leaf() {
     constexpr double kOverlap = 0.01, kThick = 0.03;
-    const WallOpening& o = openings_[0][0];
+    WallOpening o = openings_[0][0];
+    o.z0 -= 0.5 * depth_, o.z1 -= 0.5 * depth_;
     const bool full = is(RoomKind::ajar_full), to_camera = site_.chance(0.5);
     const double angle = between(5, 15) * kDegree;
     const double x = to_camera ? end(0) : start(1), out = to_camera ? -1 : 1;

@@ -5,13 +5,10 @@
 #include <numbers>
 
 #include "libcommon/testing/rooms/known_kinds.h"
-#include "libcommon/testing/rooms/plan_walls.h"
-#include "libcommon/testing/rooms/room_furniture.h"
 
 namespace tdpt::testing {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kGround = -0.1;  // height of the ground, below the floor
 
 // Walls in the order of walls_of(): +x, +z, -x, -z, each with its windows.
@@ -55,10 +52,7 @@ void build(Site& site, const House& h, const std::vector<Level>& skylights = {})
   const double t = h.thickness, top = r.y1 + t;
   const Level inside{r.x0, r.x1, r.z0, r.z1}, outside{r.x0 - t, r.x1 + t, r.z0 - t, r.z1 + t};
   const std::vector<Wall> walls = walls_of(h);
-  for (size_t k = 0; k < walls.size(); ++k) {
-    site.part("wall", pierced(walls[k], h.windows[k]));
-    for (const WallOpening& o : h.windows[k]) site.opening(aperture(walls[k], o));
-  }
+  for (size_t k = 0; k < walls.size(); ++k) pierce(site, walls[k], h.windows[k]);
   site.part("floor", level(inside, r.y0, {}, true));
   site.part("ceiling", level(inside, r.y1, skylights, false));
   site.part("roof", level(outside, top, skylights, true));

@@ -4,13 +4,9 @@
 #include <numbers>
 
 #include "libcommon/testing/rooms/known_kinds.h"
-#include "libcommon/testing/rooms/plan_walls.h"
-#include "libcommon/testing/rooms/room_furniture.h"
 
 namespace tdpt::testing {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180;
 
 struct Lit {
   Space room, outside;
@@ -60,11 +56,6 @@ std::vector<WallOpening> evenly(const Wall& wall, int n, double sill, double hig
     windows.push_back({sill, sill + high, s - 0.5 * wide, s + 0.5 * wide});
   }
   return windows;
-}
-
-void pierce(Site& site, const Wall& wall, const std::vector<WallOpening>& windows) {
-  site.part("wall", pierced(wall, windows));
-  for (const WallOpening& o : windows) site.opening(aperture(wall, o));
 }
 
 // One or more lamps for every few metres along z.

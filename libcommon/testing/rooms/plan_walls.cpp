@@ -132,10 +132,20 @@ std::vector<Quad> lining(const Wall& wall, const WallOpening& opening) {
   return lining(wall, corners_of(opening));
 }
 
-std::vector<Quad> pierced(const Wall& wall, const std::vector<WallOpening>& openings) {
+std::vector<Quad> pierced(const Wall& wall, const std::vector<WallOpening>& openings,
+                          bool threshold) {
   std::vector<Quad> quads = both_faces(wall, openings);
-  for (const WallOpening& o : openings) append(quads, lining(wall, o));
+  for (const WallOpening& o : openings) {
+    std::vector<Quad> edges = lining(wall, o);
+    if (!threshold && o.y0 == wall.near.y0) edges.erase(edges.begin());
+    append(quads, edges);
+  }
   return quads;
+}
+
+void pierce(Site& site, const Wall& wall, const std::vector<WallOpening>& openings) {
+  site.part("wall", pierced(wall, openings));
+  for (const WallOpening& o : openings) site.opening(aperture(wall, o));
 }
 
 std::vector<Quad> pierced_as_one(const Wall& wall, const std::vector<WallOpening>& openings,

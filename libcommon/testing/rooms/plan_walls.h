@@ -40,15 +40,20 @@ Wall wall_between(const Space& near, const Space& far);
 std::vector<Wall> walls_along(const std::vector<Vec3d>& points, double thickness, double near_y0,
                               double near_y1, double far_y0, double far_y1);
 
-/// Both faces and the linings of the openings (z: along s).
-std::vector<Quad> pierced(const Wall& wall, const std::vector<WallOpening>& openings);
+/// Both faces and the linings of the openings (z: along s). `threshold`: whether openings that
+/// start at the floor have a strip of it.
+std::vector<Quad> pierced(const Wall& wall, const std::vector<WallOpening>& openings,
+                          bool threshold = true);
+
+/// A wall of the site, and its openings, through which light passes.
+void pierce(Site& site, const Wall& wall, const std::vector<WallOpening>& openings);
 
 /// Adjoining openings treated as one: `corners` (s, y, 0) trace their union, counter-clockwise seen
 /// from the near side.
 std::vector<Quad> pierced_as_one(const Wall& wall, const std::vector<WallOpening>& openings,
                                  const std::vector<Vec3d>& corners);
 
-/// Only the lining of an opening: floor strip, lintel, jambs.
+/// Only the lining of an opening: floor strip, jamb, lintel, jamb.
 std::vector<Quad> lining(const Wall& wall, const WallOpening& opening);
 std::vector<Quad> lining(const Wall& wall, const std::vector<Vec3d>& corners);
 

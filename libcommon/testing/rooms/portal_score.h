@@ -66,4 +66,9 @@ struct PortalScore {
 };
 PortalScore score(const std::vector<Portal>& portals, const std::vector<KnownAperture>& openings);
 
+/// Hausdorff distance of two convex portals [metres]: no point of one is farther from the other.
+double distance(const Portal& a, const Portal& b);
+/// Distance to the nearest of `others`; infinite if there is none.
+double distance_to_nearest(const Portal& portal, const std::vector<Portal>& others);
+
 }  // namespace tdpt::testing

@@ -7,19 +7,22 @@
 //   --keep FOLDER  keeps scenes and the output of the stages
 //   --ffgraph, --mincut, --lightgrid, --portalfit "OPTIONS"   for a stage
 #include <algorithm>
+#include <atomic>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
-#include <map>
+#include <mutex>
+#include <sstream>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include <fmt/format.h>
 
+#include "libcommon/testing/files/temp_folder.h"
 #include "libcommon/testing/rooms/known_rooms.h"
 #include "libcommon/testing/rooms/portal_score.h"
 #include "libcommon/testing/rooms/portal_stages.h"
-#include "libcommon/testing/rooms/room_bench.h"
 
 namespace tdpt::testing {
 namespace {
@@ -145,23 +148,75 @@ void print_table(const std::vector<KnownRoom>& rooms, const std::vector<Row>& ro
   print_verdict(kinds, all);
 }
 
-int main_of(int argc, char** argv) {
+struct Asked {
   PortalStages stages;
-  std::map<std::string, std::string> own;
-  for (const char* name : {"ffgraph", "mincut", "lightgrid", "portalfit"})
-    own[std::string("--") + name] = "";
   std::vector<RoomKind> kinds = all_room_kinds();
-  kinds.insert(kinds.end(), sky_room_kinds().begin(), sky_room_kinds().end());
-  const RoomBench bench(argc, argv, kinds, 20, own);
-  stages.bin = bench.bin();
-  for (const auto& [name, none] : own) stages.options[name.substr(2)] = bench.own(name);
-  const std::vector<Row> rows = bench.rows<Row>(
-      [&](const KnownRoom& room, const fs::path& folder) {
-        return run(stages, bench.keeps(), room, folder);
-      },
-      print_row);
-  print_table(bench.rooms(), rows);
-  return 0;
+  uint64_t rooms = 20, seed = 1;
+  unsigned jobs = std::max(1u, std::thread::hardware_concurrency());
+  std::string keep;
+};
+
+// names: of some of the kinds, separated by commas.
+std::vector<RoomKind> those_of(const std::string& names, const std::vector<RoomKind>& kinds) {
+  std::vector<RoomKind> found;
+  std::istringstream words(names);
+  for (std::string word; std::getline(words, word, ',');) {
+    const auto kind =
+        std::find_if(kinds.begin(), kinds.end(), [&](RoomKind k) { return word == name_of(k); });
+    if (kind == kinds.end()) throw std::invalid_argument(word + " is no kind of room");
+    found.push_back(*kind);
+  }
+  return found;
+}
+
+Asked asked_of(int argc, char** argv) {
+  if (argc < 2 || argc % 2 != 0 || argv[1][0] == '-')
+    throw std::invalid_argument("expected the folder of the programs, then options with values");
+  Asked a;
+  a.stages.bin = argv[1];
+  a.kinds.insert(a.kinds.end(), sky_room_kinds().begin(), sky_room_kinds().end());
+  for (int i = 2; i + 1 < argc; i += 2) {
+    const std::string name = argv[i], value = argv[i + 1];
+    if (name == "--rooms")
+      a.rooms = std::stoull(value);
+    else if (name == "--seed")
+      a.seed = std::stoull(value);
+    else if (name == "--jobs")
+      a.jobs = static_cast<unsigned>(std::stoul(value));
+    else if (name == "--keep")
+      a.keep = value;
+    else if (name == "--kinds")
+      a.kinds = those_of(value, a.kinds);
+    else if (name == "--ffgraph" || name == "--mincut" || name == "--lightgrid" ||
+             name == "--portalfit")
+      a.stages.options[name.substr(2)] = value;
+    else
+      throw std::invalid_argument(name + " is no option of it");
+  }
+  return a;
+}
+
+void run_all(const Asked& asked) {
+  const TempFolder temporary;
+  const fs::path folder = asked.keep.empty() ? temporary.path : fs::path(asked.keep);
+  fs::create_directories(folder);
+  std::vector<KnownRoom> rooms;
+  for (const RoomKind kind : asked.kinds)
+    for (uint64_t i = 0; i < asked.rooms; ++i) rooms.push_back(known_room(kind, asked.seed + i));
+  std::vector<Row> rows(rooms.size());
+  std::atomic<size_t> next{0};
+  std::mutex one_at_a_time;
+  std::vector<std::thread> workers;
+  for (unsigned w = 0; w < asked.jobs; ++w)
+    workers.emplace_back([&] {
+      for (size_t i; (i = next++) < rooms.size();) {
+        rows[i] = run(asked.stages, !asked.keep.empty(), rooms[i], folder);
+        const std::lock_guard lock(one_at_a_time);
+        print_row(rooms[i], rows[i]);
+      }
+    });
+  for (std::thread& worker : workers) worker.join();
+  print_table(rooms, rows);
 }
 
 }  // namespace
@@ -169,7 +224,8 @@ int main_of(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   try {
-    return tdpt::testing::main_of(argc, argv);
+    tdpt::testing::run_all(tdpt::testing::asked_of(argc, argv));
+    return 0;
   } catch (const std::exception& e) {
     std::fprintf(stderr, "portals_bench: %s\n", e.what());
     return 1;

@@ -173,37 +173,4 @@ std::vector<RoomPlan::Quad> box(const Vec3d& low, const Vec3d& high, double turn
           {at(0, 0, 1), at(1, 0, 1), at(1, 1, 1), at(0, 1, 1)}};
 }
 
-std::vector<RoomPlan::Quad> wall_across_x(double xa, double xb, const WallOpening& extent,
-                                          const std::vector<WallOpening>& openings,
-                                          bool threshold) {
-  std::vector<double> ys{extent.y0, extent.y1}, zs{extent.z0, extent.z1};
-  for (const WallOpening& o : openings) {
-    ys.insert(ys.end(), {o.y0, o.y1});
-    zs.insert(zs.end(), {o.z0, o.z1});
-  }
-  for (auto* cuts : {&ys, &zs}) {
-    std::sort(cuts->begin(), cuts->end());
-    cuts->erase(std::unique(cuts->begin(), cuts->end()), cuts->end());
-  }
-  std::vector<RoomPlan::Quad> quads;
-  for (size_t i = 0; i + 1 < ys.size(); ++i)
-    for (size_t j = 0; j + 1 < zs.size(); ++j) {
-      const double y0 = ys[i], y1 = ys[i + 1], z0 = zs[j], z1 = zs[j + 1];
-      const bool open = std::any_of(openings.begin(), openings.end(), [&](const WallOpening& o) {
-        return y0 >= o.y0 && y1 <= o.y1 && z0 >= o.z0 && z1 <= o.z1;
-      });
-      if (open) continue;
-      quads.push_back({{{xa, y0, z0}, {xa, y0, z1}, {xa, y1, z1}, {xa, y1, z0}}});
-      quads.push_back({{{xb, y0, z0}, {xb, y1, z0}, {xb, y1, z1}, {xb, y0, z1}}});
-    }
-  for (const WallOpening& o : openings) {
-    if (o.y0 > extent.y0 || threshold)
-      quads.push_back({{{xa, o.y0, o.z0}, {xa, o.y0, o.z1}, {xb, o.y0, o.z1}, {xb, o.y0, o.z0}}});
-    quads.push_back({{{xa, o.y1, o.z0}, {xb, o.y1, o.z0}, {xb, o.y1, o.z1}, {xa, o.y1, o.z1}}});
-    quads.push_back({{{xa, o.y0, o.z0}, {xb, o.y0, o.z0}, {xb, o.y1, o.z0}, {xa, o.y1, o.z0}}});
-    quads.push_back({{{xa, o.y0, o.z1}, {xa, o.y1, o.z1}, {xb, o.y1, o.z1}, {xb, o.y0, o.z1}}});
-  }
-  return quads;
-}
-
 }  // namespace tdpt::testing

@@ -80,9 +80,4 @@ struct WallOpening {
   double y0, y1, z0, z1;
 };
 
-/// Both faces of the wall between xa < xb and the jambs of its openings, over the whole y and z
-/// extent. `threshold`: whether openings that start at y0 have a separate floor strip.
-std::vector<RoomPlan::Quad> wall_across_x(double xa, double xb, const WallOpening& extent,
-                                          const std::vector<WallOpening>& openings, bool threshold);
-
 }  // namespace tdpt::testing

@@ -2,6 +2,7 @@
 // how the plan is written.
 #pragma once
 #include <cmath>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -9,6 +10,8 @@
 #include "libcommon/testing/rooms/known_rooms.h"
 
 namespace tdpt::testing {
+
+inline constexpr double kDegree = std::numbers::pi / 180;
 
 /// An upright box of air.
 struct Space {
@@ -60,5 +63,9 @@ class Site {
   Rng rng_;
   KnownRoom room_;
 };
+
+/// Up to eight tables, chairs, shelves and boxes on the floor, lower than cameras and lamps, away
+/// from the walls across x and from the openings so far; none if there is no space.
+void furnish(Site& site, const Space& space);
 
 }  // namespace tdpt::testing

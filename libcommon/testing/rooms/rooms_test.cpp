@@ -76,15 +76,12 @@ TEST(Rooms, AreClosedConnectedAndFaceInwards) {
     EXPECT_NEAR(w.high.x, furnace ? 1 : s.file == "three-rooms.glb" ? 6.2 : 4.1, 1e-6) << s.file;
     EXPECT_NEAR(w.high.y, 2, 1e-6) << s.file;
   }
-}
-
-TEST(Rooms, AMissingTriangleIsNoticed) {
+  // Twins: a triangle less, and one that faces outwards.
   Scene scene = read_gltf(kScenes + "two-rooms.glb");
-  scene.triangles.erase(scene.triangles.begin());
-  EXPECT_GT(walk(scene).escaped, 0);
-  scene = read_gltf(kScenes + "two-rooms.glb");
   std::swap(scene.triangles[0].vertex[0], scene.triangles[0].vertex[1]);
   EXPECT_GT(walk(scene).behind, 0);
+  scene.triangles.erase(scene.triangles.begin());
+  EXPECT_GT(walk(scene).escaped, 0);
 }
 
 TEST(Rooms, TheHoleOfTwoRoomsIsWhereTheReadmeSays) {

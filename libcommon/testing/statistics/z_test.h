@@ -58,7 +58,7 @@ struct Agreement {
   // p-values.
   double p_drift = 1, p_rms = 1, p_largest = 1;
 
-  /// A false alarm is about three times as likely as this (measured by z_test_test.cpp): a test
+  /// A false alarm is about three times as likely as this where noise is skewed: a test
   /// that asks several questions divides it among them.
   static constexpr double kLeast = 1e-5;
   double least = kLeast;
