@@ -1,6 +1,5 @@
 #include "libcommon/options/picture_options.h"
 
-#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "libcommon/base/error.h"
@@ -8,22 +7,12 @@
 namespace tdpt::picture_options_test {
 namespace {
 
-template <class Call>
-std::string complaint(const Call& call) {
-  try {
-    call();
-    return "";
-  } catch (const Error& e) {
-    return fmt::format("{} {}", static_cast<int>(e.code), e.what());
-  }
-}
-
 TEST(PictureOptions, ExposureGoesWithAPreview) {
   PictureArguments a;
   a.exposure = 1;
-  EXPECT_EQ(complaint([&] { check_picture_arguments(a); }), "2 --exposure goes with --preview");
+  EXPECT_THROW(check_picture_arguments(a), UsageError);
   a.preview = "a.png";
-  EXPECT_EQ(complaint([&] { check_picture_arguments(a); }), "");
+  EXPECT_NO_THROW(check_picture_arguments(a));
 }
 
 TEST(PictureOptions, ExposureIsAsGivenElseAutomatic) {

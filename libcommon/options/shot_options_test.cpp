@@ -1,22 +1,13 @@
 #include "libcommon/options/shot_options.h"
 
-#include <functional>
-
 #include <gtest/gtest.h>
 
-#include "libcommon/base/error.h"
+#include "libcommon/testing/files/refusal.h"
 
-namespace tdpt::testing::shot_options_test {
+namespace tdpt::shot_options_test {
 namespace {
 
-std::string refusal(const std::function<void()>& call) {
-  try {
-    call();
-    return "";
-  } catch (const UsageError& e) {
-    return e.what();
-  }
-}
+using testing::refusal;
 
 TEST(Frames, AreARangeOrOne) {
   EXPECT_EQ(frame_range({"1-48", 24}).first, 1);
@@ -29,17 +20,11 @@ TEST(Frames, AreARangeOrOne) {
               }).find("expected A-B, as 1-48"),
               std::string::npos)
         << wrong;
-  EXPECT_EQ(refusal([] {
-              frame_range({"48-1", 24});
-            }),
-            "--frames 48-1: runs backwards; meant 1-48?");
+  EXPECT_NE(refusal([] { frame_range({"48-1", 24}); }).find("meant 1-48?"), std::string::npos);
 }
 
 TEST(Frames, SayTheTimeThemselves) {
-  EXPECT_EQ(refusal([] {
-              check_shot({"1-4", 24}, {1.5, {}});
-            }),
-            "--at: the frames of --frames say which time they show");
+  EXPECT_THROW(check_shot({"1-4", 24}, {1.5, {}}), UsageError);
   check_shot({"", 24}, {1.5, {}});
 }
 
@@ -55,13 +40,6 @@ TEST(Frames, NumberTheLastHashesOfAName) {
         << wrong;
 }
 
-TEST(Frames, MakeAShot) {
-  EXPECT_EQ(name_of_shot("a/shot.####.exr"), "a/shot.exr");
-  EXPECT_EQ(name_of_shot("a.b/shot_##.x.exr"), "a.b/shot.x.exr");
-  EXPECT_EQ(name_of_shot("take #2/####.exr"), "take #2/frames.exr");
-  EXPECT_EQ(name_of_shot("#.exr"), "frames.exr");
-}
-
 TEST(Frames, AreNamesOfACamerasPoses) {
   const std::string name = camera_at_frame("walk, frame 1", 12);
   EXPECT_EQ(name, "walk, frame 1, frame 12");
@@ -73,4 +51,4 @@ TEST(Frames, AreNamesOfACamerasPoses) {
 }
 
 }  // namespace
-}  // namespace tdpt::testing::shot_options_test
+}  // namespace tdpt::shot_options_test
