@@ -95,16 +95,4 @@ TEST(progress, as_json_is_told_every_third_of_a_second) {
   EXPECT_LE(static_cast<double>(lines.size()), seconds / 0.3 + 1.01);
 }
 
-TEST(progress, is_not_told_where_nobody_looks) {
-  const auto work = [] {
-    ProgressBar progress("tracing", "rays", 10, false);
-    progress.advance(4);
-    std::this_thread::sleep_for(std::chrono::milliseconds(310));
-    progress.advance(4);
-  };
-  EXPECT_TRUE(told(ProgressForm::none, work).empty());
-  EXPECT_TRUE(told(ProgressForm::automatic, work).empty());
-  EXPECT_EQ(told(ProgressForm::json, work).size(), 2u);
-}
-
 }  // namespace tdpt::progress_test
