@@ -9,6 +9,7 @@
 #include "libcommon/testing/files/temp_folder.h"
 #include "shaders/gpu_test.h"
 #include "shaders/inexact_kernel_test.h"
+#include "shaders/special_kernel_test.h"
 
 namespace tdpt::gpu::gpu_test {
 
@@ -90,6 +91,17 @@ TEST_F(Gpu, BytesOutsideOfABufferAreRefused) {
   error_of([&] { buffer.download<uint32_t>(2); }, Exit::internal);
   error_of([&] { buffer.write(std::vector<std::byte>(7)); }, Exit::internal);
   error_of([&] { Buffer(*device, 0).download<uint8_t>(1); }, Exit::internal);
+}
+
+TEST_F(Gpu, KernelsAreMadeForTheirConstants) {
+  const Buffer buffer(*device, std::vector<uint32_t>{0, 0});
+  for (const std::vector<uint32_t>& constants : {std::vector<uint32_t>{}, {1, 70}, {0, 70}, {1}}) {
+    const Kernel kernel(*device, shader::special_kernel_test_spv, {buffer}, 0, constants);
+    device->run([&](Commands& c) { c.dispatch(kernel, {}, 1); });
+    const uint32_t number = constants.size() > 1 ? constants[1] : 7;
+    const bool adds = !constants.empty() && constants[0] != 0;
+    EXPECT_EQ(buffer.download<uint32_t>(1)[0], adds ? number + 1 : number);
+  }
 }
 
 TEST_F(Gpu, ViewsOfBuffersAreHeldToTheirLimits) {
