@@ -195,10 +195,4 @@ bool in_another_process(const std::function<void(std::FILE*)>& work,
   return taken && WIFEXITED(status) && WEXITSTATUS(status) == 0;
 }
 
-void limit_this_process(uint64_t bytes, unsigned seconds) {
-  limit_what_is_held(std::min(bytes, memory_limit()));
-  const rlimit time{seconds, RLIM_INFINITY};
-  ::setrlimit(RLIMIT_CPU, &time);
-}
-
 }  // namespace tdpt

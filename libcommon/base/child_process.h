@@ -61,8 +61,4 @@ std::string program_folder();
 bool in_another_process(const std::function<void(std::FILE* out)>& work,
                         const std::function<bool(std::FILE* in)>& take);
 
-/// Limits this process (normally such a copy) from now on: beyond about `bytes` of additional
-/// memory std::bad_alloc is thrown, and after `seconds` of CPU time the process is killed.
-void limit_this_process(uint64_t bytes, unsigned seconds);
-
 }  // namespace tdpt

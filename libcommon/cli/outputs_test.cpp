@@ -1,15 +1,11 @@
 #include "libcommon/cli/outputs.h"
 
 #include <chrono>
-#include <cstdlib>
-#include <filesystem>
-#include <fstream>
-
-#include <unistd.h>
 
 #include <gtest/gtest.h>
 
 #include "libcommon/base/error.h"
+#include "libcommon/testing/files/temp_folder.h"
 
 namespace tdpt::cli::outputs_test {
 namespace fs = std::filesystem;
@@ -40,52 +36,33 @@ TEST(dependencies, refuse_names_that_make_cannot_write) {
   for (const char* name : {"a b", "(a) b", "a:b", "a\\b", "a=b"}) check_make_name(name);
 }
 
-// A folder in which make builds `out` with the dependency file `d`.
-class Folder {
- public:
-  Folder() {
-    fs::create_directories(path_);
-    write("Makefile", "out:\n\t@touch out\ninclude d\n");
-  }
-  ~Folder() { fs::remove_all(path_); }
-
-  void write(const std::string& name, const std::string& text) const {
-    std::ofstream(path_ / name) << text;
-  }
-  void remove(const std::string& name) const { fs::remove(path_ / name); }
-  void make_newer(const std::string& name) const {
-    fs::last_write_time(path_ / name, fs::file_time_type::clock::now() + std::chrono::seconds(5));
-  }
-  void make_older(const std::string& name) const {
-    fs::last_write_time(path_ / name, fs::file_time_type::clock::now() - std::chrono::seconds(5));
-  }
-  bool make(const std::string& arguments) const {
-    return std::system(
-               ("cd '" + path_.string() + "' && make " + arguments + " >log 2>&1").c_str()) == 0;
-  }
-
- private:
-  fs::path path_ = fs::temp_directory_path() / ("tdpt_dependencies." + std::to_string(::getpid()));
-};
-
 TEST(dependencies, are_read_back_by_make_whatever_the_names) {
   if (std::system("make --version >/dev/null 2>&1") != 0) GTEST_SKIP() << "make is missing";
-  const Folder folder;
+  const testing::TempFolder folder;
+  folder.write("Makefile", "out:\n\t@touch out\ninclude d\n");
+  const auto make = [&](const std::string& arguments) {
+    const std::string there = "cd '" + folder.path.string() + "' && ";
+    return std::system((there + "make " + arguments + " >log 2>&1").c_str()) == 0;
+  };
+  const auto set_time = [&](const std::string& name, int seconds) {
+    const auto now = fs::file_time_type::clock::now();
+    fs::last_write_time(folder.path / name, now + std::chrono::seconds(seconds));
+  };
   for (const std::string name :
        {"plain", "a b", "a#b", "a$b",  "$(a",  "a%b",   "a:b",     "a::b",  "a|b",   "a&b",
         "a&",    "a*b", "a?b", "[ab]", "a\\b", "a\\ b", "a\\\\ b", "a\\#b", "a\\%b", "a=b",
         "a+=b",  "(a",  "'",   "\"",   "~a",   "a,b",   "-a",      "a!",    "{a}",   "\303\244"}) {
     SCOPED_TRACE(name);
     folder.write(name, "");
-    folder.make_older(name);
+    set_time(name, -5);
     folder.write("d", make_rule("out", {name}));
-    folder.remove("out");
-    EXPECT_TRUE(folder.make("out"));
-    EXPECT_TRUE(folder.make("-q out")) << "is built for nothing";
-    folder.make_newer(name);
-    EXPECT_FALSE(folder.make("-q out")) << "is not built when it should be";
-    folder.remove(name);
-    EXPECT_TRUE(folder.make("out")) << "what is gone breaks the build";
+    fs::remove(folder.path / "out");
+    EXPECT_TRUE(make("out"));
+    EXPECT_TRUE(make("-q out")) << "is built for nothing";
+    set_time(name, 5);
+    EXPECT_FALSE(make("-q out")) << "is not built when it should be";
+    fs::remove(folder.path / name);
+    EXPECT_TRUE(make("out")) << "what is gone breaks the build";
   }
 }
 

@@ -13,11 +13,15 @@ namespace {
 constexpr Size kSize = TestPicture::kSize;
 constexpr double kWall = 2;  // depth [m]
 
-// Of a camera that has moved by so many pixels at the depth of the wall.
-View view(double pixels, double depth = kWall) {
+Camera facing() {
   Camera camera;
   camera.right = {1, 0, 0}, camera.up = {0, 1, 0}, camera.forward = {0, 0, -1};
   camera.yfov = 1;
+  return camera;
+}
+// Of a camera that has moved by so many pixels at the depth of the wall.
+View view(double pixels, double depth = kWall) {
+  Camera camera = facing();
   const double pixel = 2 * std::tan(0.5 * camera.yfov) * kWall / kSize.height;
   camera.position = {pixels * pixel, 0, 0};
   return {FilmPlane(camera, kSize.width, kSize.height),
@@ -112,16 +116,12 @@ TEST(Reproject, WhatIsHiddenThereOrNothingIsNotTaken) {
   EXPECT_EQ(share(kWall, 1e10), 0);
   EXPECT_EQ(share(1e10, kWall), 0);
   EXPECT_EQ(share(1e10, 1e10), 1);
-}
-
-TEST(Reproject, APlaceAtTheOtherCameraIsNotSeen) {
-  View other = view(0);
-  Camera camera;
-  camera.right = {1, 0, 0}, camera.up = {0, 1, 0}, camera.forward = {0, 0, -1};
-  camera.yfov = 1;
-  camera.position = {0, 0, -2 * kWall};  // beyond the wall
-  other.film = FilmPlane(camera, kSize.width, kSize.height);
-  EXPECT_EQ(reproject(numbered(1), other, numbered(0), view(0)).present, Plane(kSize.pixels()));
+  View beyond_the_wall = view(0);
+  Camera camera = facing();
+  camera.position = {0, 0, -2 * kWall};
+  beyond_the_wall.film = FilmPlane(camera, kSize.width, kSize.height);
+  EXPECT_EQ(reproject(numbered(1), beyond_the_wall, numbered(0), view(0)).present,
+            Plane(kSize.pixels()));
 }
 
 }  // namespace

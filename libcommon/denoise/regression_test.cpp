@@ -10,11 +10,10 @@ namespace {
 
 struct Case {
   TestPicture picture;
-  Colour flat, none, wide;
+  Colour none, wide;
   Plane all_present;
   Case() {
     for (size_t c = 0; c < 3; ++c) {
-      flat[c].assign(TestPicture::kSize.pixels(), 1);
       none[c].assign(TestPicture::kSize.pixels(), 0);
       wide[c].assign(TestPicture::kSize.pixels(), 1);
     }
@@ -25,17 +24,6 @@ struct Case {
     return regressions(TestPicture::kSize, {&source, 1}, {1, 1e-9f}, bandwidth)[0];
   }
 };
-
-TEST(Regression, ALinearFunctionOfFeaturesIsItsOwnEstimate) {
-  Case all;
-  Colour data;
-  for (size_t c = 0; c < 3; ++c)
-    for (size_t i = 0; i < TestPicture::kSize.pixels(); ++i)
-      data[c].push_back(1 + 2 * all.picture.features[c][i] + all.picture.features[3][i]);
-  const Colour estimate = all.estimate(data, all.flat);
-  for (size_t c = 0; c < 3; ++c)
-    for (size_t i = 0; i < data[c].size(); ++i) ASSERT_NEAR(estimate[c][i], data[c][i], 5e-3) << i;
-}
 
 // The same estimates by loops over the definition, in double.
 double slow_estimate(const Case& all, const Colour& data, const Colour& guide, int px, int py) {

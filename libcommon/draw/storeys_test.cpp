@@ -20,9 +20,6 @@ TEST(storeys, two_are_found_in_a_house_of_two) {
   EXPECT_NEAR(storeys[1].cut, 4.3, 1e-3);
   EXPECT_NEAR(storeys[0].top, 2.75, 1e-3);
   EXPECT_FALSE(storeys[0].air.empty());
-}
-
-TEST(storeys, twin_a_house_of_one_or_three_has_not_two) {
   EXPECT_EQ(found(test_house(1)).size(), 1u);
   EXPECT_EQ(found(test_house(3)).size(), 3u);
 }

@@ -5,9 +5,9 @@
 
 #include <gtest/gtest.h>
 
-#include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
 #include "libcommon/math/rng.h"
+#include "libcommon/testing/files/refusal.h"
 
 namespace tdpt::film_file_test {
 
@@ -58,12 +58,7 @@ std::string bytes_of(const SampleRange& range) {
 }
 
 std::string complaint(const std::function<void()>& work) {
-  try {
-    work();
-    return "";
-  } catch (const InputError& e) {
-    return e.what();
-  }
+  return testing::refusal<InputError>(work);
 }
 
 void expect_same(const Film& a, const Film& b) {
@@ -151,12 +146,8 @@ TEST(film_file, a_byte_that_changed_is_never_added_up) {
     }
   }
   EXPECT_GT(refused, good.size() * 3 / 4);
-}
-
-TEST(film_file, cut_short_is_refused) {
-  const std::string good = bytes_of({0, 4});
   for (size_t n = 0; n < good.size(); n += 7)
-    EXPECT_NE(complaint([&] { parse_film(good.substr(0, n), "a.exr"); }), "") << n;
+    EXPECT_NE(complaint([&] { parse_film(good.substr(0, n), "a.exr"); }), "") << n << ", cut short";
 }
 
 TEST(film_file, that_says_what_cannot_be_is_refused_with_its_place) {
@@ -167,26 +158,26 @@ TEST(film_file, that_says_what_cannot_be_is_refused_with_its_place) {
     bytes.replace(at, from.size(), to);
     return complaint([&] { parse_film(bytes, "a.exr"); });
   };
-  constexpr const char* kDamaged = "a.exr:film: is damaged";
-  EXPECT_EQ(message("[[0,4]]", "[[4,0]]"), kDamaged);
-  EXPECT_EQ(message("[[0,4]]", "[[  4]]"), kDamaged);
-  EXPECT_EQ(message("\\\"unit\\\":-62", "\\\"unit\\\":-2e"), kDamaged);
-  EXPECT_EQ(message("\\\"width\\\":3", "\\\"width\\\":4"), kDamaged);
-  EXPECT_EQ(message("\\\"spp\\\":8", "\\\"spq\\\":8"), kDamaged);
-  EXPECT_EQ(
-      message("\\\"format\\\":4", "\\\"format\\\":1"),
-      "a.exr:film.format: this file has version 1 of the format; this program reads version 4");
-  EXPECT_EQ(message("\\\"alpha\\\":true", "\\\"alpha\\\":1234"), kDamaged);
-  EXPECT_EQ(message("\\\"words\\\":0", "\\\"words\\\":1"), "a.exr:channel state.0: is missing");
-  EXPECT_EQ(message("camera.sum.R.0", "camera.sum.Q.0"),
-            "a.exr:channel camera.sum.R.0: is missing");
-  EXPECT_EQ(message("met.1", "mot.1"), "a.exr:channel met.1: is missing");
-  EXPECT_EQ(message("\\\"spp\\\":8", "\\\"spp\\\":9"), kDamaged);
-  EXPECT_EQ(message("77ab", "77ac"), kDamaged);
-  EXPECT_EQ(complaint([] {
-              parse_film(exr_bytes(finished_picture(film_with({0, 1}), facts())), "a.exr");
-            }),
-            "a.exr: is a picture without the sums of a film");
+  struct Change {
+    const char *from, *to, *place, *word;
+  };
+  for (const auto& [from, to, place, word] : std::vector<Change>{
+           {"[[0,4]]", "[[4,0]]", "film", "is damaged"},
+           {"[[0,4]]", "[[  4]]", "film", "is damaged"},
+           {"\\\"unit\\\":-62", "\\\"unit\\\":-2e", "film", "is damaged"},
+           {"\\\"width\\\":3", "\\\"width\\\":4", "film", "is damaged"},
+           {"\\\"spp\\\":8", "\\\"spq\\\":8", "film", "is damaged"},
+           {"\\\"spp\\\":8", "\\\"spp\\\":9", "film", "is damaged"},
+           {"\\\"alpha\\\":true", "\\\"alpha\\\":1234", "film", "is damaged"},
+           {"77ab", "77ac", "film", "is damaged"},
+           {"\\\"format\\\":4", "\\\"format\\\":1", "film.format", "version 1"},
+           {"\\\"words\\\":0", "\\\"words\\\":1", "channel state.0", "is missing"},
+           {"camera.sum.R.0", "camera.sum.Q.0", "channel camera.sum.R.0", "is missing"},
+           {"met.1", "mot.1", "channel met.1", "is missing"}})
+    EXPECT_TRUE(testing::names(message(from, to), place, word));
+  const std::string picture = exr_bytes(finished_picture(film_with({0, 1}), facts()));
+  testing::expect_refused({{picture, "", "without the sums of a film"}},
+                          [](const std::string& bytes) { parse_film(bytes, "a.exr"); });
 }
 
 TEST(film_file, that_takes_more_than_the_limit_of_memory_is_refused) {
@@ -194,9 +185,8 @@ TEST(film_file, that_takes_more_than_the_limit_of_memory_is_refused) {
   const std::string bytes = film_bytes(film, facts());
   const uint64_t machine = memory_limit();
   limit_memory(1 << 20);
-  EXPECT_EQ(complaint([&] { parse_film(bytes, "a.exr"); }),
-            "a.exr:film: 40 x 200 pixels of 212 bytes take 1.62 MiB of memory, expected at most "
-            "the 1 MiB of --max-memory");
+  EXPECT_TRUE(testing::names(complaint([&] { parse_film(bytes, "a.exr"); }), "film",
+                             "212 bytes take 1.62 MiB"));
   limit_memory(machine);
   EXPECT_EQ(complaint([&] { parse_film(bytes, "a.exr"); }), "");
 }
@@ -232,18 +222,12 @@ TEST(merging, knows_what_is_missing) {
   EXPECT_EQ(words_of({{3, 1}}), "samples 3");
 }
 
-TEST(merging, refuses_another_plan_and_says_what_settles_it) {
-  FilmFile all = part({0, 2}), other = part({2, 2});
-  other.facts.plan = "nee";
-  const std::string refusal = complaint([&] { all.merge(other, "b.exr"); });
-  for (const char* word : {"another plan", "(--integrator NAME)", "--set isa=sse2"})
-    EXPECT_NE(refusal.find(word), std::string::npos) << refusal;
-}
-
 TEST(merging, takes_the_larger_picture_for_the_whole) {
-  FilmFile all = part({0, 8});
-  all.merge(part({8, 4}, 12), "b.exr");
+  FilmFile all = part({0, 8}), other = part({8, 4}, 12);
+  other.facts.processor = "sse2";
+  all.merge(other, "b.exr");
   EXPECT_EQ(all.facts.spp, 12u);
+  EXPECT_EQ(all.facts.processor, "avx2+fma, sse2");
   EXPECT_TRUE(all.gaps().empty());
 }
 
@@ -255,37 +239,23 @@ TEST(merging, refuses_strangers_and_says_why) {
     EXPECT_EQ(all.film.samples(), why.empty() ? 8u : 4u);
     return why;
   };
-  EXPECT_EQ(refusal([](FilmFile& f) { f.facts.shape[0].second = "1f3a"; }),
-            "b.exr: is of another scene (1f3a, expected 77ab)");
-  EXPECT_EQ(refusal([](FilmFile& f) { f.facts.shape.pop_back(); }),
-            "b.exr: is of another size (none, expected 3 x 2)");
-  EXPECT_EQ(refusal([](FilmFile& f) { f.facts.shape.emplace_back("portal", "9"); }),
-            "b.exr: is of another portal (9, expected none)");
-  EXPECT_EQ(refusal([](FilmFile& f) {
-              f.film = film_with({4, 4}, {});
-            }),
-            "b.exr: keeps other sums");
-  EXPECT_EQ(refusal([](FilmFile& f) {
-              f.film = film_with({3, 2});
-            }),
-            "b.exr: holds samples 3 to 4, some of which are there already: samples 0 to 3");
+  using testing::names;
+  EXPECT_TRUE(names(refusal([](FilmFile& f) { f.facts.shape[0].second = "1f3a"; }), "",
+                    "another scene (1f3a, expected 77ab)"));
+  EXPECT_TRUE(names(refusal([](FilmFile& f) { f.facts.shape.pop_back(); }), "",
+                    "another size (none, expected 3 x 2)"));
+  EXPECT_TRUE(names(refusal([](FilmFile& f) { f.facts.shape.emplace_back("portal", "9"); }), "",
+                    "another portal (9, expected none)"));
+  EXPECT_TRUE(names(refusal([](FilmFile& f) {
+                      f.film = film_with({4, 4}, {});
+                    }),
+                    "", "keeps other sums"));
+  EXPECT_TRUE(names(refusal([](FilmFile& f) {
+                      f.film = film_with({3, 2});
+                    }),
+                    "", "samples 3 to 4"));
+  EXPECT_TRUE(names(refusal([](FilmFile& f) { f.facts.plan = "nee"; }), "", "another plan"));
   EXPECT_EQ(refusal([](FilmFile&) {}), "");  // twin: none of them
-}
-
-TEST(merging, names_all_kinds_of_processors) {
-  FilmFile all = part({0, 4});
-  for (uint64_t i = 0; i < 3; ++i) {
-    FilmFile other = part({4 + i, 1});
-    other.facts.processor = i == 1 ? "sse2" : "avx2+fma";
-    all.merge(other, "b.exr");
-  }
-  EXPECT_EQ(all.facts.processor, "avx2+fma, sse2");
-  EXPECT_EQ(mixed_code_sentence(all.facts.processor),
-            "rendered by code for avx2+fma, sse2: the last digits may differ from those of one "
-            "machine; tdpt-render --set isa=sse2 is alike on all");
-  EXPECT_EQ(mixed_code_sentence(merged_words(all.facts.processor, kGpuCode)),
-            "rendered by code for avx2+fma, gpu, sse2: CPU and GPU agree in the mean, but not in "
-            "the last digits of each sample");
 }
 
 }  // namespace tdpt::film_file_test

@@ -50,9 +50,7 @@ TEST(max_flow, equals_the_smallest_of_all_partitions_on_a_thousand_small_network
     ASSERT_FALSE(set >> net.sink & 1);
     ASSERT_EQ(capacity_of(net, set), result.value) << seed;
   }
-}
-
-TEST(max_flow, twin_a_missing_arc_is_caught_by_the_brute_force) {
+  // Twin: an arc is missing.
   int caught = 0;
   for (uint64_t seed = 0; seed < 200; ++seed) {
     FlowNetwork net = random_network(seed);

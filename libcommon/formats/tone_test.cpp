@@ -6,7 +6,6 @@
 
 #include <gtest/gtest.h>
 
-#include "libcommon/formats/png.h"
 #include "libcommon/math/rng.h"
 
 namespace tdpt::tone_test {
@@ -26,7 +25,7 @@ Vec3d by_component(const Vec3d& c) {
 std::vector<Vec3d> random_colours() {
   Rng rng(7, 0, 0);
   std::vector<Vec3d> all;
-  for (int i = 0; i < 20000; ++i) {
+  for (int i = 0; i < 2000; ++i) {
     const double brightness = std::exp2(20 * rng.uniform() - 10), r = rng.uniform();
     const double g = rng.uniform();
     all.push_back(brightness * Vec3d(r, g, rng.uniform()));
@@ -37,8 +36,8 @@ std::vector<Vec3d> random_colours() {
 // Whether a colour that is a tenth brighter is shown brighter in every component.
 bool rises(Tone tone) {
   for (const Vec3d& c : random_colours()) {
-    const Vec3d less = tone(c), more = tone(1.1 * c);
-    if (!(more.x > less.x && more.y > less.y && more.z > less.z)) return false;
+    const Vec3d more = tone(1.1 * c) - tone(c);
+    if (!(std::min({more.x, more.y, more.z}) > 0)) return false;
   }
   return true;
 }
@@ -65,13 +64,11 @@ TEST(Tone, ValuesUpToOneHalfStayAsTheyAre) {
   EXPECT_DOUBLE_EQ(toned(Vec3d(1)).x, 0.75);
 }
 
-TEST(Tone, BrighterIsShownBrighter) {
+TEST(Tone, BrighterIsShownBrighterAndOfTheSameHue) {
   EXPECT_TRUE(rises(toned));
-  EXPECT_FALSE(rises(clipped));
-}
-
-TEST(Tone, HueIsKept) {
   EXPECT_TRUE(keeps_hue(toned));
+  // Twins
+  EXPECT_FALSE(rises(clipped));
   EXPECT_FALSE(keeps_hue(clipped));
   EXPECT_FALSE(keeps_hue(by_component));
 }
@@ -81,19 +78,6 @@ TEST(Tone, NothingIsBeyondWhite) {
   constexpr double infinity = std::numeric_limits<double>::infinity();
   for (const Vec3d& c : {Vec3d(1e30), Vec3d(infinity), Vec3d(infinity, 0, -infinity)})
     EXPECT_EQ(max_component(toned(c)), 1);
-}
-
-TEST(Tone, BrightColoursFadeToWhite) {
-  const auto colourfulness = [](double p) {
-    const Vec3d t = toned({p, 0, 0});
-    return 1 - t.y / t.x;
-  };
-  EXPECT_EQ(colourfulness(0.5), 1);
-  EXPECT_NEAR(colourfulness(2), 0.86, 0.01);
-  EXPECT_LT(colourfulness(1000), 0.01);
-}
-
-TEST(Tone, NanIsBlack) {
   EXPECT_EQ(toned({1, std::nan(""), 1}), Vec3d(0));
 }
 
@@ -104,16 +88,6 @@ TEST(Tone, ExposureIsInStops) {
   for (Rgb& c : twice.pixels) c *= 2;
   EXPECT_EQ(preview_bytes(twice, -1), preview_bytes(picture, 0));
   EXPECT_NE(preview_bytes(twice, 0), preview_bytes(picture, 0));
-}
-
-TEST(Tone, HighlightsDiffer) {
-  const Picture bright{2, 1, {Rgb(4), Rgb(8)}};
-  const auto level = [](double v) {
-    return static_cast<uint8_t>(std::lround(255 * (1.055 * std::pow(v, 1 / 2.4) - 0.055)));
-  };
-  const uint8_t four = level(15.0 / 16), eight = level(31.0 / 32);
-  EXPECT_NE(four, eight);
-  EXPECT_EQ(preview_bytes(bright, 0), png_of_rgb8(2, 1, {four, four, four, eight, eight, eight}));
 }
 
 // A half-covered pixel has the colour that it would have if it were covered.
@@ -147,15 +121,6 @@ TEST(Tone, AutomaticExposureShowsMiddleGreyOnAverage) {
   EXPECT_NEAR(auto_exposure(brighter), stops - 3, 0.011);
 }
 
-// A window takes more than its share of the light: the room stays as it is beside a brighter one.
-TEST(Tone, HighlightsHardlyChangeAutomaticExposure) {
-  Picture p = greys();
-  for (size_t i = 90; i < 100; ++i) p.pixels[i] = Rgb(1e5f);
-  const double before = auto_exposure(p);
-  for (size_t i = 90; i < 100; ++i) p.pixels[i] = Rgb(1e9f);
-  EXPECT_NEAR(auto_exposure(p), before, 0.2);
-}
-
 // A room with a window, or lamp, on some of its 200 x 100 pixels.
 Picture room(double radiance, double window, double share) {
   Picture p{200, 100, {}};
@@ -174,15 +139,6 @@ TEST(Tone, ARoomIsSeenAsARoom) {
   for (const double share : {0.001, 0.05, 0.2, 0.4})
     for (const double window : {1.7, 10.0, 1000.0})
       EXPECT_NEAR(auto_exposure(room(0.1, window, share)), alone, 0.02) << share << " " << window;
-}
-
-// What takes more than half of the picture is what it shows; of a sky little brighter than the
-// ground both count.
-TEST(Tone, WhatMostOfThePictureShowsIsExposedFor) {
-  EXPECT_NEAR(auto_exposure(room(0.1, 10, 0.98)), std::log2(0.18 / 10), 0.05);
-  const double landscape = auto_exposure(room(0.2, 1, 0.45));
-  EXPECT_LT(landscape, auto_exposure(room(0.2, 0, 0)) - 0.5);
-  EXPECT_GT(landscape, std::log2(0.18 / 1));
 }
 
 TEST(Tone, BlackPixelsDoNotCountForAutomaticExposure) {

@@ -9,10 +9,7 @@
 #include "libcommon/testing/files/temp_folder.h"
 #include "shaders/gpu_test.h"
 #include "shaders/inexact_kernel_test.h"
-#include "shaders/many_kernel_test.h"
-#include "shaders/signed_kernel_test.h"
 #include "shaders/special_kernel_test.h"
-#include "shaders/tables_kernel_test.h"
 
 namespace tdpt::gpu::gpu_test {
 
@@ -62,6 +59,12 @@ class Gpu : public ::testing::Test {
     device = std::make_unique<Device>(Device::open());
   }
   const Device::Impl& vulkan() const { return *device->impl(); }
+  /// `ask` is refused with both numbers.
+  void refused(uint64_t limit, const std::string& what, uint64_t asked,
+               const std::function<void()>& ask) const {
+    const std::string said = error_of(ask), numbers = fmt::format("{} {}; {}", limit, what, asked);
+    EXPECT_NE(said.find(numbers), std::string::npos) << said << ", expected " << numbers;
+  }
 
   std::unique_ptr<Device> device;
 };
@@ -85,36 +88,9 @@ TEST_F(Gpu, BuffersGiveBackWhatTheyWereGiven) {
 TEST_F(Gpu, BytesOutsideOfABufferAreRefused) {
   Buffer buffer(*device, 6);
   EXPECT_EQ(buffer.download<uint8_t>(6).size(), 6u);
-  EXPECT_EQ(error_of([&] { buffer.download<uint32_t>(2); }, Exit::internal),
-            "8 bytes from byte 0 of a buffer of 6");
+  error_of([&] { buffer.download<uint32_t>(2); }, Exit::internal);
   error_of([&] { buffer.write(std::vector<std::byte>(7)); }, Exit::internal);
   error_of([&] { Buffer(*device, 0).download<uint8_t>(1); }, Exit::internal);
-}
-
-TEST_F(Gpu, AKernelCountsInAnImageAndABuffer) {
-  const uint32_t n = 13 * 11 * 5;
-  const Image3D image(*device, {13, 11, 5});
-  EXPECT_EQ(image.download(), std::vector<uint32_t>(n));
-  std::vector<uint32_t> words = squares(n + 1);
-  words[0] = 7;
-  const Buffer buffer(*device, words);
-  const Kernel kernel(*device, shader::gpu_test_spv, {image, buffer}, sizeof(TestPush));
-  const double seconds = device->run([&](Commands& c) {
-    c.dispatch(kernel, push(TestPush{n - 2, 5, 0.25f}), (n + 63) / 64);
-    c.dispatch(kernel, push(TestPush{n - 1, 100, 2}), (n + 63) / 64);
-  });
-  EXPECT_GT(seconds, 0);
-  EXPECT_LT(seconds, 10);
-  std::vector<uint32_t> counts(n, 105), expected = words;
-  counts[n - 2] = 100;
-  counts[n - 1] = 0;
-  expected[0] = 7 + 5 * (n - 2) + 100 * (n - 1);
-  for (uint32_t i = 1; i < n; ++i) {
-    if (i < n - 1) expected[i] = static_cast<uint32_t>(0.25f * float(words[i]) + 0.5f);
-    expected[i] = static_cast<uint32_t>(2 * float(expected[i]) + 0.5f);
-  }
-  EXPECT_EQ(image.download(), counts);
-  EXPECT_EQ(buffer.download<uint32_t>(n + 1), expected);
 }
 
 TEST_F(Gpu, KernelsAreMadeForTheirConstants) {
@@ -128,64 +104,8 @@ TEST_F(Gpu, KernelsAreMadeForTheirConstants) {
   }
 }
 
-/// Settings of tables_kernel_test.comp.
-Memory table_settings(const Device& device, uint32_t factor,
-                      const std::vector<uint32_t>& first_texels) {
-  std::vector<uint32_t> words{factor, 0, 0, 0};
-  words.insert(words.end(), first_texels.begin(), first_texels.end());
-  words.resize(8);
-  return Buffer(device, words).uniforms();
-}
-
-TEST_F(Gpu, TablesLieOneBehindTheOther) {
-  Tables tables;
-  const std::vector<uint32_t> some = squares(5), more = squares(65), none;
-  tables.add(some);
-  tables.add(more);
-  tables.add(none);
-  tables.add_room(100);
-  EXPECT_EQ(tables.first_texels(), (std::vector<uint32_t>{0, 16, 48, 64}));
-  tables.upload(*device);
-  const std::array<uint64_t, 4> bytes{20, 260, 16, 100};  // an empty table still has a texel
-  for (size_t i = 0; i < bytes.size(); ++i) {
-    EXPECT_EQ(tables.part(i).impl().offset, 16 * tables.first_texels()[i]);
-    EXPECT_EQ(tables.part(i).impl().bytes, bytes[i]);
-  }
-}
-
-TEST_F(Gpu, KernelsReadTablesAsTexelsAndWriteTheirParts) {
-  Tables tables;
-  const std::vector<uint32_t> some{1, 2, 3, 4, 5}, more = squares(300);
-  tables.add(some);
-  tables.add_room(16);
-  tables.add(more);
-  tables.upload(*device);
-  const Buffer words(*device, std::vector<uint32_t>{100, 200, 300, 400});
-  const Memory settings = table_settings(*device, 3, tables.first_texels());
-  const auto kernel_to = [&](const Memory& to) {
-    return Kernel(*device, shader::tables_kernel_test_spv, {tables.texels(), settings, to}, 4);
-  };
-  const Kernel to_room = kernel_to(tables.part(1)), to_words = kernel_to(words);
-  const uint32_t first = 0, room = 1, last = 2;
-  tables.write(1, std::as_bytes(std::span<const uint32_t>({10, 0, 0, 7})));
-  device->run([&](Commands& c) {
-    c.dispatch(to_room, push(first), 1);  // 13, 6, 9, 19
-    c.dispatch(to_words, push(room), 1);
-    c.dispatch(to_words, push(last), 1);
-  });
-  EXPECT_EQ(words.download<uint32_t>(4),
-            (std::vector<uint32_t>{100 + 39, 200 + 18 + 3, 300 + 27 + 12, 400 + 57 + 27}));
-  EXPECT_EQ(storage_buffers_in(shader::tables_kernel_test_spv), 1u);
-  EXPECT_EQ(storage_buffers_in(shader::many_kernel_test_spv), 33u);
-}
-
 TEST_F(Gpu, ViewsOfBuffersAreHeldToTheirLimits) {
   const Limits l = device->limits();
-  const auto refused = [&](uint64_t limit, const std::string& what, uint64_t asked,
-                           const std::function<void()>& ask) {
-    EXPECT_EQ(error_of(ask), fmt::format("{} allows {} {}; {} are asked for", device->info().name,
-                                         limit, what, asked));
-  };
   EXPECT_LE(l.texels, uint64_t{16} * vulkan().limits.maxTexelBufferElements);
   EXPECT_LE(l.texels / 4, uint64_t{1} << 32);
   const uint64_t beyond = (l.texels / 256 + 1) * 256;
@@ -193,17 +113,10 @@ TEST_F(Gpu, ViewsOfBuffersAreHeldToTheirLimits) {
   tables.add_room(l.texels + 1);
   refused(l.texels, "bytes in a buffer of texels", beyond, [&] { tables.upload(*device); });
   const Buffer buffer(*device, 1000);
-  EXPECT_EQ(error_of([&] { buffer.part(768, 233); }, Exit::internal),
-            "233 bytes from byte 768 of a buffer of 1000");
+  error_of([&] { buffer.part(768, 233); }, Exit::internal);
   ASSERT_LT(l.buffer, l.texels) << "no part is too large here";
   const Buffer large = Buffer::of_parts(*device, l.buffer + 1);
   refused(l.buffer, "bytes in a buffer", l.buffer + 1, [&] { large.part(0, l.buffer + 1); });
-}
-
-TEST_F(Gpu, BuffersAreCleared) {
-  const Buffer buffer(*device, squares(1000));
-  device->run([&](Commands& c) { c.clear(buffer); });
-  EXPECT_EQ(buffer.download<uint32_t>(1000), std::vector<uint32_t>(1000));
 }
 
 TEST_F(Gpu, PiecesOfAnImageAreOneLayerOrMore) {
@@ -222,13 +135,6 @@ TEST_F(Gpu, PiecesOfAnImageAreOneLayerOrMore) {
     });
     EXPECT_EQ(image.download(), expected) << piece;
   }
-}
-
-TEST_F(Gpu, SignedImagesCountDown) {
-  const Image3D image(*device, {6, 1, 1}, Texel::r32i);
-  const Kernel kernel(*device, shader::signed_kernel_test_spv, {image});
-  device->run([&](Commands& c) { c.dispatch(kernel, {}, 1); });
-  EXPECT_EQ(image.download(), (std::vector<uint32_t>{~0u, ~1u, ~2u, ~3u, 0, 0}));
 }
 
 TEST_F(Gpu, CommandsSeeWhatTheOnesBeforeThemWrote) {
@@ -274,12 +180,6 @@ TEST_F(Gpu, RunsWithinARunAreDoneFirst) {
 
 TEST_F(Gpu, WhatIsAboveALimitIsRefusedWithBothNumbers) {
   const Limits l = device->limits();
-  const std::string name = device->info().name;
-  const auto refused = [&](uint64_t limit, const std::string& what, uint64_t asked,
-                           const std::function<void()>& ask) {
-    EXPECT_EQ(error_of(ask),
-              fmt::format("{} allows {} {}; {} are asked for", name, limit, what, asked));
-  };
   for (uint64_t bytes : {l.buffer + 1, UINT64_MAX})
     refused(l.buffer, "bytes in a buffer", bytes, [&] { Buffer(*device, bytes); });
   const uint32_t side = l.image_side;
@@ -292,17 +192,14 @@ TEST_F(Gpu, WhatIsAboveALimitIsRefusedWithBothNumbers) {
   const auto most = vulkan().limits;
   const Buffer buffer(*device, 16);
   const Image3D image(*device, {1, 1, 1});
-  const auto kernel = [&](const std::vector<Memory>& memory) {
-    return Kernel(*device, shader::inexact_kernel_test_spv, memory);
-  };
-  constexpr uint32_t kMany = 33;  // that a program names
-  const std::vector<Memory> many(kMany, buffer);
-  device->impl()->limits.maxPerStageDescriptorStorageBuffers = kMany - 1;
-  refused(kMany - 1, "buffers in a kernel", kMany,
-          [&] { Kernel(*device, shader::many_kernel_test_spv, many); });
-  // Unused bindings are not bound.
-  kernel(many);
-  const Kernel k = kernel({buffer});
+  EXPECT_EQ(storage_buffers_in(shader::gpu_test_spv), 1u);
+  device->impl()->limits.maxPerStageDescriptorStorageBuffers = 0;
+  refused(0, "buffers in a kernel", 1, [&] {
+    Kernel(*device, shader::gpu_test_spv, {image, buffer}, sizeof(TestPush));
+  });
+  device->impl()->limits.maxPerStageDescriptorStorageBuffers = 1;
+  // Bindings that a program does not name are not bound.
+  const Kernel k(*device, shader::inexact_kernel_test_spv, {buffer, buffer, buffer});
   const uint32_t groups = most.maxComputeWorkGroupCount[0];
   refused(groups, "work groups in a dispatch", uint64_t{groups} + 1,
           [&] { device->run([&](Commands& c) { c.dispatch(k, {}, groups + 1); }); });
@@ -336,8 +233,8 @@ TEST_F(Gpu, DevicesAreOpenedByIndexAndByName) {
   EXPECT_GE(all[0].limits.image_side, 256u);
   EXPECT_EQ(Device::open("0").info().name, all[0].name);
   EXPECT_EQ(Device::open("LLVMpipe").info().name, all[0].name);
-  EXPECT_EQ(error_of([] { Device::open("geforce"); }),
-            "no Vulkan device 'geforce' can be used; there are: 0: " + all[0].name + " (cpu)");
+  EXPECT_NE(error_of([] { Device::open("geforce"); }).find("there are: 0: " + all[0].name),
+            std::string::npos);
   error_of([] { Device::open("1"); });
   error_of([] { Device::open("00"); });
 }
@@ -358,12 +255,10 @@ TEST(PickDevice, TakesTheBestOrTheOneThatIsMeant) {
   EXPECT_EQ(pick_device(all, "2"), 2u);
   EXPECT_EQ(pick_device(all, "rAdEoN N"), 3u);
   EXPECT_EQ(pick_device(all, "r"), 3u);  // the best of all except pipe
-  EXPECT_EQ(error_of([&] {
-              pick_device({all[0], all[1]}, "1");
-            }),
-            "no Vulkan device '1' can be used; there are: 0: pipe (cpu), 1: Radeon old (old)");
-  EXPECT_EQ(error_of([&] { pick_device({all[1]}, ""); }),
-            "no Vulkan device can be used; there are: 0: Radeon old (old)");
+  const std::string unfit = error_of([&] { pick_device({all[0], all[1]}, "1"); });
+  EXPECT_NE(unfit.find("'1' can be used; there are: 0: pipe (cpu), 1: Radeon old (old)"),
+            std::string::npos);
+  error_of([&] { pick_device({all[1]}, ""); });
   error_of([&] { pick_device(all, "5"); });
   error_of([&] { pick_device(all, "99999999999999999999"); });
 }
@@ -371,19 +266,14 @@ TEST(PickDevice, TakesTheBestOrTheOneThatIsMeant) {
 TEST(NoDevice, WithoutADriverThereIsNoDevice) {
   const WithVariable old_loader("VK_ICD_FILENAMES", "/nonexistent"),
       new_loader("VK_DRIVER_FILES", "/nonexistent");
-  const std::string expected =
-      "there is no Vulkan driver: that of the device's maker, or Debian's package "
-      "mesa-vulkan-drivers";
-  EXPECT_EQ(error_of([] { list_devices(); }), expected);
-  EXPECT_EQ(error_of([] { Device::open(); }), expected);
+  for (const std::string& said :
+       {error_of([] { list_devices(); }), error_of([] { Device::open(); })})
+    EXPECT_NE(said.find("no Vulkan driver"), std::string::npos) << said;
 }
 
 TEST(NoDevice, WithoutALoaderThereIsNoDevice) {
   if (getenv("TDPT_TEST_WITHOUT_LOADER")) {  // this process must find no loader
-    const std::string expected =
-        "there is no Vulkan loader (libvulkan), Debian's package libvulkan1";
-    EXPECT_EQ(error_of([] { list_devices(); }), expected);
-    EXPECT_EQ(error_of([] { Device::open(); }), expected);
+    EXPECT_NE(error_of([] { list_devices(); }).find("no Vulkan loader"), std::string::npos);
     return;
   }
   const testing::TempFolder folder;
@@ -399,8 +289,7 @@ TEST(NoDevice, WithoutALoaderThereIsNoDevice) {
 
 TEST(NoDevice, ValidationThatIsAskedForIsNeeded) {
   const WithVariable paths("VK_LAYER_PATH", "/nonexistent");
-  EXPECT_EQ(error_of([] { Device::open(); }),
-            "TDPT_VULKAN_VALIDATION=1, but the Khronos validation layer is not installed");
+  EXPECT_NE(error_of([] { Device::open(); }).find("layer is not installed"), std::string::npos);
   const WithVariable off("TDPT_VULKAN_VALIDATION", "0");
   Device::open();
 }
@@ -415,18 +304,6 @@ class MisuseDeathTest : public Gpu {
   }
 };
 
-TEST_F(MisuseDeathTest, AMissingBarrierIsTold) {
-  expect_message(
-      [&] {
-        Buffer buffer(*device, 64);
-        device->run([&](Commands& c) {
-          c.impl().vulkan.fillBuffer(*buffer.impl().buffer, 0, 64, 1);
-          c.impl().vulkan.fillBuffer(*buffer.impl().buffer, 0, 64, 2);
-        });
-      },
-      "SYNC-HAZARD-WRITE-AFTER-WRITE");
-}
-
 TEST_F(MisuseDeathTest, AMissingBarrierAfterAKernelIsTold) {
   expect_message(
       [&] {
@@ -439,16 +316,6 @@ TEST_F(MisuseDeathTest, AMissingBarrierAfterAKernelIsTold) {
         });
       },
       "SYNC-HAZARD-WRITE-AFTER-WRITE");
-}
-
-TEST_F(MisuseDeathTest, PushConstantsThatTheKernelDoesNotDeclareAreTold) {
-  expect_message(
-      [&] {
-        const Image3D image(*device, {1, 1, 1});
-        const Buffer buffer(*device, 64);
-        const Kernel kernel(*device, shader::gpu_test_spv, {image, buffer}, 4);
-      },
-      "VUID-");
 }
 
 TEST_F(MisuseDeathTest, ALeakIsTold) {

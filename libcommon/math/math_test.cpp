@@ -52,16 +52,10 @@ bool table_holds(double fault) {
   }
   return chi2 < 23.5;  // 5 degrees of freedom: p about 3e-4
 }
-TEST(alias_table, draws_follow_pdf_1) {
+TEST(tables, draws_follow_pdf_1) {
   EXPECT_TRUE(table_holds<AliasTable>(1));
-}
-TEST(alias_table, twin_a_density_off_by_5_percent_is_caught) {
-  EXPECT_FALSE(table_holds<AliasTable>(1.05));
-}
-TEST(cumulative_table, draws_follow_pdf_1) {
   EXPECT_TRUE(table_holds<CumulativeTable>(1));
-}
-TEST(cumulative_table, twin_a_density_off_by_5_percent_is_caught) {
+  EXPECT_FALSE(table_holds<AliasTable>(1.05));  // twins
   EXPECT_FALSE(table_holds<CumulativeTable>(1.05));
 }
 
@@ -100,9 +94,7 @@ TEST(cumulative_table, a_heavy_entry_gets_its_share_of_numbers_that_are_even) {
   for (const size_t entries : {5, 64, 1000, 2048, 2064}) {
     EXPECT_LE(unevenness<CumulativeTable>(entries), 1) << entries;
   }
-}
-TEST(cumulative_table, twin_an_alias_table_spreads_them_by_low_bits) {
-  EXPECT_GT(unevenness<AliasTable>(2048), 15);
+  EXPECT_GT(unevenness<AliasTable>(2048), 15);  // twin: it spreads them by low bits
 }
 
 // Mean of cos over the hemisphere is 2/3 under pdf cos/pi; under a uniform pdf it would be 1/2.

@@ -36,24 +36,20 @@ bool one_in_each_cell(Numbers numbers, uint64_t pixel, uint64_t first, int k, in
 }
 
 bool every_interval_has_its_sample(Numbers numbers, uint64_t shift) {
-  for (int k = 0; k <= 10; ++k)
+  for (int k = 0; k <= 8; ++k)
     for (uint64_t run : {0, 1, 2, 7, 100})
       for (uint32_t d = 0; d < 3 * sequence::kBlock; ++d)
         if (!one_in_each_cell(numbers, run + 5, (run << k) + shift, k, k, d, d)) return false;
   return true;
 }
 TEST(sequence, aligned_runs_put_one_sample_into_each_interval_of_every_dimension) {
+  constexpr uint64_t kOther = uint64_t{1} << 32;  // above it are new runs
   EXPECT_TRUE(every_interval_has_its_sample(number, 0));
-}
-TEST(sequence, twin_independent_numbers_do_not) {
+  EXPECT_TRUE(every_interval_has_its_sample(number, kOther));
+  // Twins: independent numbers, and runs that are not aligned.
   EXPECT_FALSE(every_interval_has_its_sample(independent, 0));
-}
-TEST(sequence, twin_runs_that_are_not_aligned_do_not) {
   EXPECT_FALSE(every_interval_has_its_sample(number, 1));
-}
-TEST(sequence, twin_runs_above_2_to_the_32_are_new_ones) {
-  EXPECT_TRUE(every_interval_has_its_sample(number, uint64_t{1} << 32));
-  EXPECT_FALSE(every_interval_has_its_sample(number, (uint64_t{1} << 32) - 1));
+  EXPECT_FALSE(every_interval_has_its_sample(number, kOther - 1));
 }
 
 template <uint64_t half>
@@ -66,12 +62,8 @@ double number_of_both(uint64_t seed, uint64_t stream, uint64_t pixel, uint64_t s
 TEST(sequence, even_and_odd_samples_are_stratified_each) {
   EXPECT_TRUE(every_interval_has_its_sample(number_of_half<0>, 0));
   EXPECT_TRUE(every_interval_has_its_sample(number_of_half<1>, 0));
-}
-TEST(sequence, twin_both_together_are_not) {
-  EXPECT_FALSE(every_interval_has_its_sample(number_of_both, 0));
-}
-TEST(sequence, no_two_samples_of_a_pixel_have_the_same_number) {
-  for (const uint64_t s :
+  EXPECT_FALSE(every_interval_has_its_sample(number_of_both, 0));  // twin: both together
+  for (const uint64_t s :  // no two samples of a pixel have the same number
        {0ull, 1ull, 6ull, 7ull, (1ull << 32) - 1, 1ull << 32, (5ull << 32) + 11}) {
     const uint64_t n = shader::number_in_half(s);
     EXPECT_EQ(n >> 33 << 32 | (n & 0xffffffff) << 1 | (n >> 32 & 1), s);
@@ -79,7 +71,7 @@ TEST(sequence, no_two_samples_of_a_pixel_have_the_same_number) {
 }
 
 bool every_rectangle_has_its_sample(Numbers numbers, uint32_t other) {
-  for (int k = 0; k <= 10; ++k)
+  for (int k = 0; k <= 8; ++k)
     for (int a = 0; a <= k; ++a)
       for (uint64_t run : {0, 1, 100})
         for (uint32_t d = 0; d < 3 * sequence::kBlock; d += sequence::kBlock)
@@ -88,18 +80,15 @@ bool every_rectangle_has_its_sample(Numbers numbers, uint32_t other) {
 }
 TEST(sequence, aligned_runs_put_one_sample_into_each_rectangle_of_a_block_s_first_dimensions) {
   EXPECT_TRUE(every_rectangle_has_its_sample(number, 1));
-}
-TEST(sequence, twin_dimensions_of_two_blocks_are_no_such_pair) {
+  // Twins: dimensions of two blocks, and independent numbers.
   EXPECT_FALSE(every_rectangle_has_its_sample(number, sequence::kBlock));
-}
-TEST(sequence, twin_independent_numbers_are_no_such_pair) {
   EXPECT_FALSE(every_rectangle_has_its_sample(independent, 1));
 }
 
 // Whether the mean over many seeds of the estimates of the volume x + y + z < 1, which is 1/6, by
 // `samples` samples is right within four standard errors. `fixed`: a single seed for all.
 bool volume_is_right(uint32_t d, uint32_t e, uint32_t f, uint64_t samples, uint64_t fixed = 0) {
-  constexpr int kSeeds = 20000;
+  constexpr int kSeeds = 4000;
   double sum = 0, squares = 0;
   for (uint64_t seed = 1; seed <= kSeeds; ++seed) {
     const uint64_t s = fixed ? fixed : seed;
@@ -119,9 +108,7 @@ TEST(sequence, means_over_seeds_are_unbiased_within_a_block_and_across_blocks) {
     EXPECT_TRUE(volume_is_right(1, 2, 3, samples)) << samples;
     EXPECT_TRUE(volume_is_right(0, 4, 9, samples)) << samples;
   }
-}
-TEST(sequence, twin_one_scrambling_alone_is_not_unbiased) {
-  EXPECT_FALSE(volume_is_right(0, 1, 2, 16, 1));
+  EXPECT_FALSE(volume_is_right(0, 1, 2, 16, 1));  // twin: one scrambling alone
 }
 
 // Origin of one of two numbers.
@@ -139,7 +126,7 @@ double p_of_pairs(const Place& a, const Place& b, bool over_seeds) {
     const uint64_t pixel = at.pixel + (over_seeds ? 3 : 2 * i);
     return static_cast<size_t>(kSide * number(seed, at.stream, pixel, at.sample, at.d));
   };
-  return chi_square_of_samples(100000, even,
+  return chi_square_of_samples(20000, even,
                                [&](uint64_t i) { return bin(a, i) * kSide + bin(b, i); })
       .p;
 }
@@ -149,14 +136,6 @@ double least_p_of_pairs(const std::vector<std::pair<Place, Place>>& pairs) {
     for (const bool over_seeds : {false, true})
       least = std::min(least, p_of_pairs(a, b, over_seeds));
   return least;
-}
-TEST(sequence, pairs_of_dimensions_fill_the_square_over_pixels_and_over_seeds) {
-  std::vector<std::pair<Place, Place>> pairs;
-  for (uint64_t sample : {0, 1, 37, 1 << 20})
-    for (uint32_t d = 0; d < 6; ++d)
-      for (uint32_t e = d + 1; e < 6; ++e)
-        pairs.push_back({{.sample = sample, .d = d}, {.sample = sample, .d = e}});
-  EXPECT_GT(least_p_of_pairs(pairs), sidak(1e-3, 2 * pairs.size()));
 }
 TEST(sequence, pixels_streams_and_seeds_are_uncorrelated) {
   std::vector<std::pair<Place, Place>> pairs;
@@ -174,9 +153,7 @@ TEST(sequence, pixels_streams_and_seeds_are_uncorrelated) {
                          {.sample = shader::number_in_half(other), .d = d}});
     }
   EXPECT_GT(least_p_of_pairs(pairs), sidak(1e-3, 2 * pairs.size()));
-}
-TEST(sequence, twin_samples_of_one_pixel_are_correlated) {
-  EXPECT_LT(least_p_of_pairs({{{}, {.sample = 1}}}), 1e-6);
+  EXPECT_LT(least_p_of_pairs({{{}, {.sample = 1}}}), 1e-6);  // twin: samples of one pixel are
 }
 
 // Variance of the mean over 64 samples of a product of two centred numbers, relative to independent
@@ -192,19 +169,11 @@ double variance_of_products(uint32_t d, uint32_t e) {
   }
   return squares * 144 / (kPixels * kSamples);
 }
-// Neighbours lie in opposite halves of both dimensions, so their products have the same sign: the
-// halves' part has twice the variance of independent numbers, all bits together 1.6 times.
-TEST(sequence, two_blocks_are_paired_at_random_but_for_neighbours) {
-  EXPECT_LT(variance_of_products(0, 4), 1.8);
-  EXPECT_LT(variance_of_products(2, 9), 1.8);
-}
 TEST(sequence, a_block_is_paired_much_better_than_at_random) {
   for (uint32_t d = 0; d < sequence::kBlock; ++d)
     for (uint32_t e = d + 1; e < sequence::kBlock; ++e)
       EXPECT_LT(variance_of_products(d, e), 0.05) << d << " " << e;
-}
-TEST(sequence, twin_a_dimension_paired_with_itself_is_worse) {
-  EXPECT_GT(variance_of_products(1, 1), 1.8);
+  EXPECT_GT(variance_of_products(1, 1), 1.8);  // twin: a dimension with itself
 }
 
 // p-value for uniformity of bits `shift` ... `shift` + 7 of the numbers of 50000 samples.
@@ -221,9 +190,7 @@ double p_of_byte(int shift, uint64_t keep) {
 }
 TEST(sequence, bits_below_those_of_the_sequence_are_filled_evenly) {
   for (int shift : {11, 16, 24}) EXPECT_GT(p_of_byte(shift, ~0ull), 1e-5);
-}
-TEST(sequence, twin_bits_of_the_sequence_alone_are_not) {
-  EXPECT_LT(p_of_byte(24, ~0ull << 32), 1e-6);
+  EXPECT_LT(p_of_byte(24, ~0ull << 32), 1e-6);  // twin: bits of the sequence alone
 }
 
 TEST(sequence, numbers_are_the_same_on_every_machine) {

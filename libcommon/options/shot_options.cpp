@@ -102,14 +102,6 @@ std::string name_of_frame(const std::string& option, const std::string& pattern,
   return fmt::format("{}{:0{}}{}", p.before, frame, p.digits, p.after);
 }
 
-std::string name_of_shot(const std::string& pattern) {
-  Pattern p = pattern_of(pattern);
-  while (!p.before.empty() && std::string("._-").find(p.before.back()) != std::string::npos)
-    p.before.pop_back();
-  if (p.before.empty() || p.before.back() == '/') p.before += "frames";
-  return p.before + p.after;
-}
-
 void declare_pose_options(cli::Options& options, Pose& pose, cli::Effect effect) {
   options.part(cli::Part::animation);
   options.option("--at", pose.seconds, "SECONDS",

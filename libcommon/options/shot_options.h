@@ -48,9 +48,6 @@ bool has_frame_number(const std::string& pattern);
 /// `option`, if there is no # in the file's name.
 std::string name_of_frame(const std::string& option, const std::string& pattern, int64_t frame);
 
-/// The name of a file of the shot: "shot.exr" for "shot.####.exr", "frames.exr" for "####.exr".
-std::string name_of_shot(const std::string& pattern);
-
 /// The name of a camera as it stands at a frame, in files made for several: "walk, frame 12".
 std::string camera_at_frame(const std::string& camera, int64_t frame);
 /// The frame of such a name; nothing for the name of another camera, or of none at a frame.

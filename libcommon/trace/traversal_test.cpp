@@ -1,5 +1,7 @@
-// shaders/shared/traversal.h and bvh.h compiled as C++, on hierarchies from bvh.h.
+// Hierarchies from bvh.h, and the rays that shaders/shared/traversal.h and bvh.h, compiled as C++,
+// trace in them.
 #include <gtest/gtest.h>
+#include <tbb/global_control.h>
 
 #include <cstring>
 
@@ -8,33 +10,7 @@
 #include "libcommon/testing/scenes/meshes.h"
 #include "libcommon/trace/tracer.h"
 
-// Twins of ScalarTracer.
 namespace tdpt::shader::traversal_test {
-
-/// With plain edge functions that miss hits exactly on an edge.
-struct StrictTracer : ScalarTracer {
-  using ScalarTracer::ScalarTracer;
-
-  // Found before that of bvh.h by the code included below.
-  static bool line_meets(const AxisRay& ray, Vec3f p0, Vec3f p1, Vec3f p2, float& depth, float& b1,
-                         float& b2, uint32_t& back) {
-    const Vec3f slope = axis_last(ray.slope, ray.axis);
-    const Vec3f a = seen_along(ray, slope, p0);
-    const Vec3f b = seen_along(ray, slope, p1);
-    const Vec3f c = seen_along(ray, slope, p2);
-    const float u = b.x * c.y - b.y * c.x;
-    const float v = c.x * a.y - c.y * a.x;
-    const float w = a.x * b.y - a.y * b.x;
-    if (!((u > 0 && v > 0 && w > 0) || (u < 0 && v < 0 && w < 0))) return false;
-    b1 = v / (u + v + w);
-    b2 = w / (u + v + w);
-    depth = (1 - b1 - b2) * a.z + b1 * b.z + b2 * c.z;
-    back = 0;
-    return true;
-  }
-
-#include "shaders/shared/traversal.h"
-};
 
 /// Surfaces with partial coverage are present for every second coin.
 struct ScreenTracer : ScalarTracer {
@@ -55,174 +31,199 @@ using shader::BvhNode;
 using shader::ScalarTracer;
 using shader::SurfaceHit;
 
-// --- A slow oracle -----------------------------------------------------------------------------
+// --- As Embree ---------------------------------------------------------------------------------
 
-/// Where a line meets a triangle's plane, in double precision.
-struct Meeting {
-  double t;
-  double inside;  ///< sideways distance to the nearest edge; negative: outside
-  double per_cosine;
+struct Compared {
+  int rays = 0, hits = 0, blocked = 0, differ = 0;
 };
-bool meets_plane(const TriangleShape& s, const Vec3d& o, const Vec3d& d, Meeting& m) {
-  const double along = dot(s.normal, d);
-  const double cosine = std::abs(along) / length(d);
-  if (s.area == 0 || cosine < 1e-9) return false;
-  m.t = dot(s.normal, s.p0 - o) / along;
-  m.per_cosine = 1 / cosine;
-  const Vec3d p = o + d * m.t - s.p0;
-  const double whole = 2 * s.area;
-  const double b1 = dot(cross(p, s.e2), s.normal) / whole;
-  const double b2 = dot(cross(s.e1, p), s.normal) / whole;
-  m.inside = cosine * std::min({b1 * whole / length(s.e2), b2 * whole / length(s.e1),
-                                (1 - b1 - b2) * whole / length(s.e2 - s.e1)});
-  return true;
-}
-
-constexpr double kBlur = 4e-6;  // tolerance of floats for a ray, sideways and along
-
-struct Faults {
-  int missed = 0;    ///< something was clearly in the way
-  int invented = 0;  ///< nothing was in the way, by the same margin
-  int rays = 0, hits = 0;
-  int all() const { return missed + invented; }
-};
-
-/// Compares the first hits of rays, and of segments, with a brute-force search over all triangles.
-/// `ray(i, o, d)`.
-template <class Tracer, class MakeRay>
-Faults faults(const Scene& scene, const Tracer& tracer, int rays, MakeRay make_ray) {
-  std::vector<TriangleShape> shapes;
-  for (uint32_t t = 0; t < scene.triangles.size(); ++t) shapes.push_back(shape_of(scene, t));
-  Faults f;
-  for (int i = 0; i < rays; ++i) {
-    Vec3f origin, direction;
-    make_ray(i, origin, direction);
-    const Vec3d o(origin), d(direction);
-    const double blur = kBlur / length(d);
-    SurfaceHit hit;
-    const bool found = tracer.first_hit(origin, direction, 0, hit);
-    const bool blocked = tracer.segment_blocked(origin, origin + direction, 0);
-    bool blocked_clearly = false, blocked_perhaps = false, wrong = false;
-    const Vec3d tip(origin + direction);  // rounded as in the segment
-    for (uint32_t t = 0; t < shapes.size(); ++t) {
-      Meeting m;
-      if (meets_plane(shapes[t], o, d, m)) {
-        const double about = blur * m.per_cosine;
-        wrong |= m.inside > kBlur && m.t > about && (!found || m.t < hit.t - about);
-      }
-      if (meets_plane(shapes[t], o, tip - o, m)) {
-        const double about = blur * m.per_cosine;
-        blocked_clearly |= m.inside > kBlur && m.t > about && m.t < 1 - about;
-        blocked_perhaps |= m.inside > -kBlur && m.t > -about && m.t < 1 + about;
-      } else {
-        blocked_perhaps = true;  // in the triangle's plane: either answer is right
-      }
-    }
-    ++f.rays;
-    f.hits += found;
-    f.missed += wrong + (blocked_clearly && !blocked);
-    f.invented += blocked && !blocked_perhaps;
-    if (found) {
-      Meeting m;
-      const TriangleShape& s = shapes[hit.triangle];
-      if (meets_plane(s, o, d, m)) {
-        f.invented += m.inside < -kBlur || std::abs(m.t - hit.t) > blur * m.per_cosine;
-        f.invented += (dot(s.normal, d) > 0) != (hit.back != 0);
-        const Vec3d p = s.p0 + s.e1 * double{hit.b1} + s.e2 * double{hit.b2};
-        f.invented += length(p - (o + d * m.t)) > kBlur * 2 * m.per_cosine;
-      }
-    }
-  }
-  return f;
-}
-
-const auto anywhere = [](int i, Vec3f& origin, Vec3f& direction) {
-  Rng rng(13, 0, static_cast<uint64_t>(i));
-  origin = Vec3f(random_place(rng, 1));
-  direction = Vec3f(random_direction(rng) * std::exp2(-6 + 8 * rng.uniform()));
-};
-const auto axis_parallel = [](int i, Vec3f& origin, Vec3f& direction) {
-  Rng rng(14, 0, static_cast<uint64_t>(i));
-  origin = Vec3f(random_place(rng, 1));
-  direction = Vec3f();
-  direction[i % 3] = i % 2 == 0 ? 1 : -1;
-  if (i % 4 == 0) direction[(i + 1) % 3] = i % 8 == 0 ? 1e-30f : -1e-20f;
-};
-const auto from_afar = [](int i, Vec3f& origin, Vec3f& direction) {
-  Rng rng(15, 0, static_cast<uint64_t>(i));
-  origin = Vec3f(random_direction(rng) * 8.0);
-  direction = Vec3f(random_place(rng, 1)) - origin;
-};
-
-void expect_right(const Scene& scene, int rays) {
-  const Bvh bvh = build_bvh(scene);
+/// The first hits of rays and what blocks segments, from one place to another: each anywhere within
+/// `size`, far outside, or on a triangle, offset as Tracer does; some rays are parallel to an axis.
+/// Two hits are the same within the blur of floats, sideways and along.
+Compared against_embree(const Scene& scene, const Bvh& bvh, int rays, double size = 1) {
+  const Tracer embree(scene);
   const ScalarTracer tracer(bvh);
-  for (const Faults& f :
-       {faults(scene, tracer, rays, anywhere), faults(scene, tracer, rays, axis_parallel),
-        faults(scene, tracer, rays, from_afar)}) {
-    EXPECT_EQ(f.missed, 0);
-    EXPECT_EQ(f.invented, 0);
+  const auto triangles = static_cast<uint32_t>(scene.triangles.size());
+  Compared c;
+  for (int i = 0; i < rays; ++i) {
+    Rng rng(13, 0, static_cast<uint64_t>(i));
+    const auto place = [&](uint32_t kind) {
+      if (kind == 0 || triangles == 0) return Vec3f(random_place(rng, size));
+      if (kind == 1) return Vec3f(random_direction(rng) * (8 * size));
+      const TriangleShape& s = embree.shape(rng.below(triangles));
+      double b1, b2;
+      const double u = rng.uniform();
+      uniform_triangle(u, rng.uniform(), b1, b2);
+      const double side = rng.below(2) == 0 ? -0x1p-21 : 0x1p-21;
+      return Vec3f(s.p0 + s.e1 * b1 + s.e2 * b2 + s.normal * (side * size));
+    };
+    const uint32_t from = rng.below(3);
+    const Vec3f o = place(from);
+    // From far outside, rounding moves an end across a triangle that it lies on.
+    Vec3f d = place(from == 1 ? 0 : rng.below(3)) - o;
+    if (i % 8 == 0) d[i / 8 % 3] = d[(i / 8 + 1) % 3] = i % 16 == 0 ? 0 : 1e-30f;
+    SurfaceHit ours, theirs;
+    const bool found = tracer.first_hit(o, d, 0, ours);
+    bool differs = found != embree.first_hit(o, d, 0, theirs);
+    if (found && !differs) {
+      const Vec3d w(d);
+      const double cosine = std::abs(dot(embree.shape(theirs.triangle).normal, w)) / length(w);
+      const double apart = std::abs(double{ours.t} - double{theirs.t}) * length(w);
+      differs = apart * cosine > 8e-6 * size * (from == 1 ? 8 : 1) ||
+                (ours.triangle == theirs.triangle && ours.back != theirs.back);
+    }
+    const bool blocked = tracer.segment_blocked(o, o + d, 0);
+    ++c.rays;
+    c.hits += found;
+    c.blocked += blocked;
+    c.differ += differs || blocked != embree.segment_blocked(o, o + d, 0);
   }
+  return c;
 }
 
-TEST(traversal, rays_meet_what_the_oracle_meets) {
-  expect_right(soup(3000, 0.05), 2000);
-  expect_right(soup(300, 0.5), 10000);
-  expect_right(soup(1, 0.5), 10000);
-  expect_right(no_triangles(), 10);
-  expect_right(file("door-ajar.glb"), 5000);
-}
-
-TEST(traversal, twin_with_a_spoilt_box_misses) {
-  const Scene scene = soup(300, 0.5);
-  Bvh bvh = build_bvh(scene);
-  bvh.nodes[2].low0 = bvh.nodes[2].high0;
-  const Faults f = faults(scene, ScalarTracer(bvh), 5000, anywhere);
-  EXPECT_GT(f.missed, 5);
-  EXPECT_GT(f.hits, 2000);
-}
-
-TEST(traversal, twin_with_a_moved_triangle_invents) {
-  const Scene scene = soup(300, 0.5);
-  Bvh bvh = build_bvh(scene);
-  for (shader::BvhTriangle& t : bvh.triangles) t.p1.x += 1e-4f;
-  EXPECT_GT(faults(scene, ScalarTracer(bvh), 5000, anywhere).invented, 5);
-}
-
-TEST(traversal, slivers_and_tiny_triangles_and_corners_of_the_frame) {
+Scene slivers_and_corners_of_the_frame() {
   Scene scene = soup(500, 0.2);
   Rng rng(16, 0, 0);
   for (int i = 0; i < 500; ++i) {
     const Vec3d a = random_place(rng, 0.9);
     const Vec3d b = random_place(rng, 0.9);
-    add(scene, Vec3f(a), Vec3f(b), Vec3f(b + random_place(rng, 1e-4)));  // slivers
-    add(scene, Vec3f(a), Vec3f(a + random_place(rng, 1e-6)), Vec3f(a + random_place(rng, 1e-6)));
+    add(scene, Vec3f(a), Vec3f(b), Vec3f(b + random_place(rng, 1e-4)));
     const Vec3f corner(i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1);
     add(scene, corner, corner * 0.99f, Vec3f(corner.x, -corner.y, 0.99f * corner.z));
   }
-  expect_right(scene, 3000);
+  return scene;
 }
 
-TEST(traversal, tiny_triangles_are_met_to_the_blur_of_a_float) {
-  // 1e-6 across, hit from an equally near point: near 0, coordinates are precise enough.
-  Scene scene = no_triangles();
-  Rng rng(17, 0, 0);
-  for (int i = 0; i < 200; ++i)
-    add(scene, Vec3f(random_place(rng, 1e-6)), Vec3f(random_place(rng, 1e-6)),
-        Vec3f(random_place(rng, 1e-6)));
-  const Bvh bvh = build_bvh(scene);
-  const ScalarTracer tracer(bvh);
-  int hits = 0, right = 0;
-  for (int i = 0; i < 200; ++i) {
-    const TriangleShape s = shape_of(scene, static_cast<uint32_t>(i));
-    const Vec3f o(random_place(rng, 1e-5));
-    const Vec3d target = s.p0 + (s.e1 + s.e2) * (1.0 / 3);
-    SurfaceHit hit;
-    hits += tracer.first_hit(o, Vec3f(target - Vec3d(o)), 0, hit);
-    right += hit.t < 1.0001f;
+TEST(traversal, rays_meet_what_embree_meets) {
+  constexpr int kRays = 5000;
+  constexpr int kAtEdges = 3;  // may differ, where an edge lies between two roundings
+  for (const Scene& scene :
+       {soup(1, 0.5), soup(2, 0.5), soup(3, 0.5), soup(5, 0.5), soup(9, 0.5), soup(300, 0.5),
+        soup(70000, 0.01), slivers_and_corners_of_the_frame(), file("two-rooms.glb"),
+        file("three-rooms.glb"), file("door-ajar.glb"), file("window.glb")}) {
+    const Compared c = against_embree(scene, build_bvh(scene), kRays);
+    EXPECT_LE(c.differ, kAtEdges) << scene.triangles.size();
+    EXPECT_GT(c.hits, kRays / 50) << scene.triangles.size();
+    EXPECT_GT(c.blocked, kRays / 100) << scene.triangles.size();
   }
-  EXPECT_EQ(hits, 200);
-  EXPECT_EQ(right, 200);
+  EXPECT_EQ(against_embree(no_triangles(), build_bvh(no_triangles()), 100).differ, 0);
+  // Near 0 floats are precise enough for what is small.
+  Scene tiny = soup(200, 0.5);
+  for (Vec3f& p : tiny.positions) p *= 1e-6f;
+  EXPECT_LE(against_embree(tiny, build_bvh(tiny), kRays, 1e-6).differ, kAtEdges);
+}
+
+TEST(traversal, twin_a_spoilt_hierarchy_differs) {
+  const Scene scene = soup(300, 0.5), rooms = file("two-rooms.glb");
+  Bvh box = build_bvh(scene), moved = box, lost = build_bvh(rooms);
+  box.nodes[2].low0 = box.nodes[2].high0;
+  for (shader::BvhTriangle& t : moved.triangles) t.p1.x += 1e-4f;
+  for (shader::BvhTriangle& t : lost.triangles)
+    if (t.triangle % 8 == 0) t.p1 = t.p0;
+  EXPECT_GT(against_embree(scene, box, 5000).differ, 50);
+  EXPECT_GT(against_embree(scene, moved, 5000).differ, 50);
+  EXPECT_GT(against_embree(rooms, lost, 5000).differ, 50);
+}
+
+// --- The hierarchy itself ----------------------------------------------------------------------
+
+/// Nodes from the root to the deepest leaf.
+uint32_t depth_of(const Bvh& bvh, uint32_t node = 0) {
+  if ((node & shader::kBvhLeaf) != 0) return 0;
+  const BvhNode& n = bvh.nodes.at(node);
+  return 1 + std::max(depth_of(bvh, n.child0), depth_of(bvh, n.child1));
+}
+void expect_each_triangle_once(const Bvh& bvh, const Scene& scene) {
+  std::vector<int> seen(scene.triangles.size());
+  for (const shader::BvhTriangle& t : bvh.triangles) ++seen.at(t.triangle);
+  EXPECT_EQ(seen, std::vector<int>(seen.size(), 1));
+  EXPECT_LE(depth_of(bvh), shader::kBvhStack);
+}
+
+/// Triangles along the three axes, each nearer to the origin by `factor` than the one before.
+Scene dwindling(uint32_t count, double factor) {
+  Scene scene = no_triangles();
+  for (int axis = 0; axis < 3; ++axis) {
+    double size = 1;
+    for (uint32_t i = 0; i < count; ++i, size *= factor) {
+      Vec3f a;
+      a[axis] = static_cast<float>(size);
+      add(scene, a, a * 0.99f, a * 0.98f);
+    }
+  }
+  return scene;
+}
+
+TEST(bvh, no_input_goes_deeper_than_the_stack) {
+  uint32_t deepest = 0;
+  for (double factor : {0.9, 0.7, 0.5, 0.3, 0.1, 0.03}) {
+    const Scene scene = dwindling(1000, factor);
+    const Bvh bvh = build_bvh(scene);
+    expect_each_triangle_once(bvh, scene);
+    deepest = std::max(deepest, depth_of(bvh));
+  }
+  EXPECT_GT(deepest, 40u);  // else these inputs do not test the bound
+}
+
+TEST(bvh, odd_coordinates_build) {
+  Scene flat = no_triangles(), line = no_triangles(), huge = no_triangles();
+  Rng rng(12, 0, 0);
+  for (int i = 0; i < 5000; ++i) {
+    const auto x = static_cast<float>(rng.uniform());
+    add(flat, {x, 0.5f, 0}, {x + 0.01f, 0.5f, 0}, {x, 0.5f, 0.01f});
+    add(line, {x, 0, 0}, {x, 0, 0}, {x, 0, 0});
+    const float sign = i % 2 == 0 ? 1e38f : -3.4e38f;
+    add(huge, {sign * x, 3.4e38f, 0}, {-3.4e38f, sign, 1e-45f}, {x, 0, sign});
+  }
+  for (const Scene* scene : {&flat, &line, &huge}) {
+    const Bvh bvh = build_bvh(*scene);
+    expect_each_triangle_once(bvh, *scene);
+    SurfaceHit hit;
+    for (int i = 0; i < 100; ++i)  // ends
+      ScalarTracer(bvh).first_hit(Vec3f(random_place(rng, 1)), Vec3f(random_direction(rng)), 0,
+                                  hit);
+  }
+}
+
+TEST(bvh, a_million_copies_of_one_triangle) {
+  Scene scene = no_triangles();
+  add(scene, {-1, -1, 0.5f}, {1, -1, 0.5f}, {0, 1, 0.5f});
+  scene.triangles.resize(1000000, scene.triangles[0]);
+  const Bvh bvh = build_bvh(scene);
+  expect_each_triangle_once(bvh, scene);
+  SurfaceHit hit;
+  ASSERT_TRUE(ScalarTracer(bvh).first_hit({0, 0, 0}, {0.1f, 0.1f, 1}, 0, hit));
+  EXPECT_EQ(hit.triangle, 0u);
+  EXPECT_FLOAT_EQ(hit.t, 0.5f);
+  EXPECT_TRUE(ScalarTracer(bvh).segment_blocked({0, 0, 0}, {0, 0, 1}, 0));
+}
+
+template <class T>
+std::string bytes_of(const std::vector<T>& v) {
+  return {reinterpret_cast<const char*>(v.data()), v.size() * sizeof(T)};
+}
+TEST(bvh, threads_leave_no_trace) {
+  const Scene scene = sphere(300, 0.9);
+  const auto built = [&](const Scene& s, size_t threads) {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+    const Bvh bvh = build_bvh(s);
+    return bytes_of(bvh.nodes) + bytes_of(bvh.triangles);
+  };
+  const std::string one = built(scene, 1);
+  EXPECT_TRUE(one == built(scene, 3));
+  EXPECT_FALSE(one == built(sphere(300, 0.9000001), 3));
+}
+
+TEST(bvh, surfaces_that_are_not_always_there_are_marked) {
+  Scene scene = soup(4, 0.1);
+  scene.materials.resize(4);
+  scene.materials[1].alpha_mode = Material::Alpha::mask;
+  scene.materials[2].alpha_mode = Material::Alpha::blend;
+  scene.materials[3].transmission = 1;  // a smooth thin sheet: a pane
+  scene.materials[3].roughness = 0;
+  scene.materials[3].base_color = Rgb(1);
+  for (uint32_t t = 0; t < 4; ++t) scene.triangles[t].material = t;
+  for (const shader::BvhTriangle& t : build_bvh(scene).triangles)
+    EXPECT_EQ(t.stops, t.triangle == 0 ? 1u : 0u) << t.triangle;
 }
 
 // --- Watertight --------------------------------------------------------------------------------
@@ -265,40 +266,46 @@ int leaks(const Scene& scene, const Tracer& tracer, int rays) {
   return leaked;
 }
 
-constexpr int kLeakRays = 1 << 18;  // each as a ray and as a segment, in each of two meshes
+constexpr int kLeakRays = 1 << 15;  // each as a ray and as a segment, in each of two meshes
 
 TEST(traversal, no_ray_leaves_a_closed_mesh) {
   for (const Scene& scene : {file("furnace.glb"), sphere(200, 0.95)}) {
     const Bvh bvh = build_bvh(scene);
     EXPECT_EQ(leaks(scene, ScalarTracer(bvh), kLeakRays), 0);
+    Bvh apart = bvh;  // twin: triangles with a gap of about a rounding between them
+    for (shader::BvhTriangle& t : apart.triangles) {
+      const Vec3f middle = (t.p0 + t.p1 + t.p2) / 3.0f;
+      for (Vec3f* p : {&t.p0, &t.p1, &t.p2}) *p = *p + normalize(middle - *p) * 2e-7f;
+    }
+    EXPECT_GT(leaks(scene, ScalarTracer(apart), kLeakRays / 16), 100);
+    // By Embree in its robust mode, from inside, through edges and in random directions. Of rays
+    // aimed exactly at a corner of the sphere 1 in 70 leaks, and so do some from far outside.
+    const Tracer tracer(scene);
+    for_rays_within(scene, kLeakRays, [&](const Vec3f& o, const Vec3f& d, int i) {
+      if (i % 4 < 2) return;
+      SurfaceHit hit;
+      ASSERT_TRUE(tracer.first_hit(o, d, 0, hit));
+      ASSERT_TRUE(tracer.segment_blocked(o, o + d * (3 * reach_along(d)), 0));
+    });
   }
-}
-
-TEST(traversal, twin_with_plain_edges_leaks) {
-  for (const Scene& scene : {file("furnace.glb"), sphere(200, 0.95)}) {
-    const Bvh bvh = build_bvh(scene);
-    EXPECT_GT(leaks(scene, shader::traversal_test::StrictTracer(bvh), kLeakRays / 16), 100);
-  }
-}
-
-TEST(traversal, twin_with_tight_boxes_leaks) {
+  // Twin with tight boxes.
   const Scene scene = sphere(200, 0.95);
-  Bvh bvh = build_bvh(scene);
-  const Vec3f pad(0x1p-18f * bvh.nodes[0].extent);
-  for (BvhNode& n : bvh.nodes) {
+  Bvh tight = build_bvh(scene);
+  const Vec3f pad(0x1p-18f * tight.nodes[0].extent);
+  for (BvhNode& n : tight.nodes) {
     n.low0 = n.low0 + pad;
     n.low1 = n.low1 + pad;
     n.high0 = n.high0 - pad;
     n.high1 = n.high1 - pad;
   }
-  EXPECT_GT(leaks(scene, ScalarTracer(bvh), kLeakRays), 5);
+  EXPECT_GT(leaks(scene, ScalarTracer(tight), kLeakRays), 5);
 }
 
 TEST(traversal, edge_functions_have_the_exact_sign) {
   const auto sign = [](auto x) { return (x > 0) - (x < 0); };
   Rng rng(19, 0, 0);
   int plain_wrong = 0;
-  for (int i = 0; i < 1000000; ++i) {
+  for (int i = 0; i < 100000; ++i) {
     const auto coordinate = [&] {
       return static_cast<float>((rng.uniform() * 2 - 1) * std::exp2(-36 * rng.uniform()));
     };
@@ -315,76 +322,7 @@ TEST(traversal, edge_functions_have_the_exact_sign) {
     ASSERT_EQ(sign(shader::edge_function(b, a)), -exact);
     plain_wrong += sign(a.x * b.y - a.y * b.x) != exact;
   }
-  EXPECT_GT(plain_wrong, 10000);  // twin
-}
-
-// --- Embree ------------------------------------------------------------------------------------
-
-struct Compared {
-  int pairs = 0, blocked = 0, differ = 0;
-};
-/// Pairs of points on the surfaces, both offset as Tracer does.
-Compared against_embree(const Scene& scene, const Bvh& bvh, int pairs) {
-  const Tracer embree(scene);
-  const ScalarTracer tracer(bvh);
-  Compared c;
-  for (int i = 0; i < pairs; ++i) {
-    Rng rng(20, 0, static_cast<uint64_t>(i));
-    std::array<Tracer::Origin, 2> end;
-    for (Tracer::Origin& o : end) {
-      const TriangleShape& s =
-          embree.shape(rng.below(static_cast<uint32_t>(scene.triangles.size())));
-      const double u = rng.uniform();
-      const double v = rng.uniform();
-      double b1, b2;
-      uniform_triangle(u, v, b1, b2);
-      o = {s.p0 + s.e1 * b1 + s.e2 * b2, s.normal};
-    }
-    const auto off = [](const Tracer::Origin& o, const Vec3d& w) {
-      return Vec3f(o.position + o.normal * (dot(o.normal, w) < 0 ? -0x1p-21 : 0x1p-21));
-    };
-    const Vec3d w = end[1].position - end[0].position;
-    const bool blocked = tracer.segment_blocked(off(end[0], w), off(end[1], -w), 0);
-    ++c.pairs;
-    c.blocked += blocked;
-    c.differ += blocked == embree.visible(end[0], end[1]);
-  }
-  return c;
-}
-
-// In its robust mode, from inside, through edges and in random directions. Of rays aimed exactly at
-// a corner of the sphere 1 in 70 leaks, and so do some from far outside. The scalar build of our
-// own hierarchy shows that these rays do find leaks.
-TEST(traversal, no_ray_leaves_a_closed_mesh_by_embree) {
-  for (const Scene& scene : {file("furnace.glb"), sphere(200, 0.95)}) {
-    const Tracer tracer(scene);
-    for_rays_within(scene, kLeakRays, [&](const Vec3f& o, const Vec3f& d, int i) {
-      if (i % 4 < 2) return;
-      shader::SurfaceHit hit;
-      ASSERT_TRUE(tracer.first_hit(o, d, 0, hit));
-      ASSERT_TRUE(tracer.segment_blocked(o, o + d * (3 * reach_along(d)), 0));
-    });
-  }
-}
-
-TEST(traversal, embree_sees_the_same) {
-  constexpr int kPairs = 200000;
-  for (const char* name : {"two-rooms.glb", "three-rooms.glb", "door-ajar.glb", "window.glb"}) {
-    const Scene scene = file(name);
-    const Compared c = against_embree(scene, build_bvh(scene), kPairs);
-    EXPECT_LE(c.differ, kPairs / 10000) << name;
-    EXPECT_GT(c.blocked, kPairs / 10) << name;
-    EXPECT_LT(c.blocked, kPairs * 9 / 10) << name;
-  }
-}
-
-TEST(traversal, twin_without_some_triangles_differs_from_embree) {
-  const Scene scene = file("two-rooms.glb");
-  Bvh bvh = build_bvh(scene);
-  for (shader::BvhTriangle& t : bvh.triangles)
-    if (t.triangle % 8 == 0) t.p1 = t.p0;
-  const Compared c = against_embree(scene, bvh, 200000);
-  EXPECT_GT(c.differ, c.pairs / 10000);
+  EXPECT_GT(plain_wrong, 1000);  // twin
 }
 
 // --- Special places ----------------------------------------------------------------------------
@@ -409,33 +347,26 @@ TEST(traversal, segments_are_open_at_both_ends) {
     const Vec3f p(Vec3d(0.9, 0.9, 0) * random_place(rng, 0.5));
     const Vec3f q(Vec3d(p) + Vec3d(1, 1, 0) * random_place(rng, 0.04));
     const Vec3f above(q.x, q.y, 0.25f), below(q.x, q.y, -0.25f);
-    EXPECT_FALSE(t.segment_blocked(p, above, 0));
-    EXPECT_FALSE(t.segment_blocked(above, p, 0));
-    EXPECT_FALSE(t.segment_blocked(p, below, 0));
-    EXPECT_FALSE(t.segment_blocked(below, p, 0));
-    EXPECT_TRUE(t.segment_blocked(above, below, 0));
-    EXPECT_FALSE(t.segment_blocked(p, p, 0));
-    EXPECT_FALSE(t.segment_blocked(above, above, 0));
-    EXPECT_FALSE(t.segment_blocked(p, q, 0));  // in the square's own plane
+    // At any angle, with the usual offset.
+    const Vec3f far(Vec3d(0.9, 0.9, 0) * random_place(rng, 0.5) + Vec3d(0, 0, 0.01));
+    const Vec3f off = p + Vec3f(0, 0, 0x1p-21f), under = p - Vec3f(0, 0, 0x1p-21f);
+    const auto blocked_either_way = [&](const Vec3f& a, const Vec3f& b) {
+      EXPECT_EQ(t.segment_blocked(a, b, 0), t.segment_blocked(b, a, 0));
+      return t.segment_blocked(a, b, 0);
+    };
+    EXPECT_FALSE(blocked_either_way(p, above));
+    EXPECT_FALSE(blocked_either_way(p, below));
+    EXPECT_FALSE(blocked_either_way(p, p));
+    EXPECT_FALSE(blocked_either_way(p, q)) << "in the square's own plane";
+    EXPECT_FALSE(blocked_either_way(off, far));
+    EXPECT_TRUE(blocked_either_way(above, below));
+    EXPECT_TRUE(blocked_either_way(under, far));
     SurfaceHit hit;
     EXPECT_FALSE(t.first_hit(p, {}, 0, hit));
     EXPECT_FALSE(t.first_hit(p, above - p, 0, hit));
     EXPECT_FALSE(t.first_hit(p, q - p, 0, hit));
-    ASSERT_TRUE(t.first_hit(above, below - above, 0, hit));
-    EXPECT_FLOAT_EQ(hit.t, 0.5f);
-    EXPECT_EQ(hit.back, 0u);
-    EXPECT_LT(hit.triangle, 2u);
-    ASSERT_TRUE(t.first_hit(below, above - below, 0, hit));
-    EXPECT_EQ(hit.back, 1u);
     ASSERT_TRUE(t.first_hit(p, below - p, 0, hit));  // leaves one, hits the other
     EXPECT_GE(hit.triangle, 2u);
-    // At any angle, with the usual offset.
-    const Vec3f far(Vec3d(0.9, 0.9, 0) * random_place(rng, 0.5) + Vec3d(0, 0, 0.01));
-    const Vec3f off = p + Vec3f(0, 0, 0x1p-21f), under = p - Vec3f(0, 0, 0x1p-21f);
-    EXPECT_FALSE(t.segment_blocked(off, far, 0));
-    EXPECT_FALSE(t.segment_blocked(far, off, 0));
-    EXPECT_TRUE(t.segment_blocked(under, far, 0));
-    EXPECT_TRUE(t.segment_blocked(far, under, 0));
   }
 }
 
@@ -463,8 +394,8 @@ TEST(traversal, of_coincident_triangles_the_first_one_is_met) {
   }
   int hits = 0;
   for (int i = 0; i < 20000; ++i) {
-    Vec3f o, d;
-    anywhere(i, o, d);
+    Rng rng(13, 0, static_cast<uint64_t>(i));
+    const Vec3f o(random_place(rng, 1)), d(random_direction(rng));
     SurfaceHit a, b;
     ScalarTracer(bvh).first_hit(o, d, 0, a);
     if (!ScalarTracer(turned).first_hit(o, d, 0, b)) continue;
