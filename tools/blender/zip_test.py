@@ -1,10 +1,13 @@
 """zip_test.py ZIP: the extension as people install it, in a Blender with a new home: its engine, panel and preferences are
-there, and it can be switched off again."""
+there, it finds its programs, and it can be switched off again. One with a wheel needs no preference and no PATH for that."""
 import os
+import subprocess
 import sys
+import zipfile
 
 import bpy
 
+sys.path[:] = [folder for folder in sys.path if folder != os.path.dirname(os.path.abspath(__file__))]  # it has a tdpt, too
 zip_file = sys.argv[sys.argv.index("--") + 1 if "--" in sys.argv else 1]
 
 
@@ -30,8 +33,14 @@ expect(scene.tdpt.samples == 64, "settings are not registered")
 expect(hasattr(bpy.types, "TDPT_PT_portals"), "the panel is not registered")
 expect("TDPT" in bpy.types.RENDER_PT_output.COMPAT_ENGINES if hasattr(bpy.types, "RENDER_PT_output") else True, "no output panel")
 programs = sys.modules[f"{module}.programs"]
-preferences.folder = os.environ.get("TDPT_BIN", "")
-expect(programs.program() == os.path.join(os.environ["TDPT_BIN"], "tdpt"), f"finds {programs.program()}")
+if any(name.endswith(".whl") for name in zipfile.ZipFile(zip_file).namelist()):
+    expected = os.path.join(os.environ["HOME"], "extensions/.local/lib/python{}.{}/site-packages/tdpt/bin/tdpt".format(*sys.version_info))
+    os.environ["PATH"] = "/nowhere"
+    programs.wait(programs.running([programs.needed(), "--version"]))
+else:
+    expected = os.path.join(os.environ["TDPT_BIN"], "tdpt")
+    preferences.folder = os.environ["TDPT_BIN"]
+expect(programs.program() == expected, f"finds {programs.program()}")
 bpy.ops.preferences.addon_disable(module=module)
 expect(not hasattr(bpy.types.Scene, "tdpt"), "settings stay after it is switched off")
 print("zip_test.py: all is well", flush=True)

@@ -1,6 +1,7 @@
 """Finds the programs and runs them beside Blender, which stays usable. A generator that runs one gives (share done, words) until
 the program has ended, and stops it when it is closed."""
 import contextlib
+import importlib
 import json
 import os
 import signal
@@ -21,11 +22,14 @@ class Failure(Exception):
 
 
 def folders():
-    """Where the programs may be, the likeliest first: the preference, beside this folder, the PATH, the usual places."""
+    """Where the programs may be, the likeliest first: the preference, the wheel that a zip for one platform brings, beside this
+    folder, the PATH, the usual places."""
     addon = bpy.context.preferences.addons.get(__package__)
     given = bpy.path.abspath(addon.preferences.folder) if addon and addon.preferences and addon.preferences.folder else ""
     if given:
         yield from (given, os.path.join(given, "bin"))
+    with contextlib.suppress(ImportError, AttributeError, OSError):  # before Blender 4.2 this extension is itself called tdpt
+        yield importlib.import_module("tdpt").bundled()
     # As installed, this folder is share/tdpt/blender/tdpt beside bin.
     yield os.path.abspath(os.path.join(HERE, *[os.pardir] * 4, "bin"))
     yield from os.environ.get("PATH", "").split(os.pathsep)
