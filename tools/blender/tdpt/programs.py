@@ -58,8 +58,10 @@ def blender(script, *words):
 
 
 def environment():
-    """For a program of ours: without the Python of Blender, and with Debian's before others that lack numpy."""
+    """For a program of ours: without the Python of Blender, and with Debian's before others that lack numpy. A Blender with factory
+    settings would remove the wheels of this one's extensions."""
     env = {key: value for key, value in os.environ.items() if key not in ("PYTHONHOME", "LD_PRELOAD")}
+    env["BLENDER_USER_EXTENSIONS"] = os.path.join(session_folder(), "extensions")
     if bpy.app.binary_path:
         env.pop("PYTHONPATH", None)
         env["PATH"] = os.pathsep.join(["/usr/bin", env.get("PATH", "")])
