@@ -35,13 +35,12 @@ class Error(Exception):
 
 
 class Portal(NamedTuple):
-    """A flat polygon that light passes."""
+    """A flat polygon that light passes: its convex outline, corners x 3 [metres, +Y up], counter-clockwise as seen from where the
+    light goes; and its figures, such as area, flux_share and sky [portal(5)]."""
 
     name: str
     polygon: numpy.ndarray[Any, Any]
-    """Its convex outline, corners x 3 [metres, +Y up], counter-clockwise as seen from where the light goes."""
     figures: dict[str, Any]
-    """Numbers such as area, flux_share and sky [portal(5)]."""
 
 
 def bundled() -> Path:
@@ -84,19 +83,19 @@ def _words(options: dict[str, Any]) -> list[str]:
     return words
 
 
-def _files() -> tuple[Any, Any]:
-    """The readers of pictures and portals."""
+def _files() -> tuple[Any, Any, Any]:
+    """The modules of pictures, of portals and of arrays."""
     try:
         from . import exr, gltf_file
+        import numpy
     except ModuleNotFoundError as missing:
         raise ImportError("tdpt: arrays need numpy: pip install numpy") from missing
-    return exr, gltf_file
+    return exr, gltf_file, numpy
 
 
 def find_portals(scene: File, *words: str, **options: Any) -> list[Portal]:
     """The portals through which light reaches the camera, those that bring most of it first; none is a result, too."""
-    _, gltf_file = _files()
-    import numpy
+    _, gltf_file, numpy = _files()
     with tempfile.TemporaryDirectory() as folder:
         found = os.path.join(folder, "portals.glb")
         run("tdpt", scene, "-o", found, *words, *_words(options))
@@ -106,8 +105,7 @@ def find_portals(scene: File, *words: str, **options: Any) -> list[Portal]:
 def render(scene: File, *words: str, portals: Sequence[Portal] = (), **options: Any) -> numpy.ndarray[Any, Any]:
     """The picture: height x width x 3, linear, float32, the first row at the top. `portals`: these alone, as find_portals() gives
     them; else they are searched for, which is quick for a scene that was searched before."""
-    exr, gltf_file = _files()
-    import numpy
+    exr, gltf_file, numpy = _files()
     with tempfile.TemporaryDirectory() as folder:
         picture, given = (os.path.join(folder, name) for name in ("picture.exr", "given.portal.glb"))
         if portals:
@@ -115,7 +113,8 @@ def render(scene: File, *words: str, portals: Sequence[Portal] = (), **options: 
             gltf_file.write_portals(given, [(p.name, p.polygon.tolist(), fan) for p, fan in zip(portals, fans)])
         run("tdpt", scene, "-o", picture, *words, *_words(options), *(("--portal", given) if portals else ()))
         channels = exr.read(picture, {"R", "G", "B"})
-        return numpy.stack([channels[name] for name in "RGB"], -1).astype(numpy.float32)
+        rgb: numpy.ndarray[Any, Any] = numpy.stack([channels[name] for name in "RGB"], -1).astype("f4")
+        return rgb
 
 
 def _text_for(renderer: str, scene: File, words: Sequence[str], options: dict[str, Any]) -> str:
