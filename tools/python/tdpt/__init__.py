@@ -95,17 +95,17 @@ def _files() -> tuple[Any, Any, Any]:
 
 def find_portals(scene: File, *words: str, **options: Any) -> list[Portal]:
     """The portals through which light reaches the camera, those that bring most of it first; none is a result, too."""
-    _, gltf_file, numpy = _files()
+    _, gltf_file, np = _files()
     with tempfile.TemporaryDirectory() as folder:
         found = os.path.join(folder, "portals.glb")
         run("tdpt", scene, "-o", found, *words, *_words(options))
-        return [Portal(name, numpy.array(corners), figures) for name, corners, _, figures in gltf_file.read_portals(found)]
+        return [Portal(name, np.array(corners), figures) for name, corners, _, figures in gltf_file.read_portals(found)]
 
 
 def render(scene: File, *words: str, portals: Sequence[Portal] = (), **options: Any) -> numpy.ndarray[Any, Any]:
     """The picture: height x width x 3, linear, float32, the first row at the top. `portals`: these alone, as find_portals() gives
     them; else they are searched for, which is quick for a scene that was searched before."""
-    exr, gltf_file, numpy = _files()
+    exr, gltf_file, np = _files()
     with tempfile.TemporaryDirectory() as folder:
         picture, given = (os.path.join(folder, name) for name in ("picture.exr", "given.portal.glb"))
         if portals:
@@ -113,16 +113,15 @@ def render(scene: File, *words: str, portals: Sequence[Portal] = (), **options: 
             gltf_file.write_portals(given, [(p.name, p.polygon.tolist(), fan) for p, fan in zip(portals, fans)])
         run("tdpt", scene, "-o", picture, *words, *_words(options), *(("--portal", given) if portals else ()))
         channels = exr.read(picture, {"R", "G", "B"})
-        rgb: numpy.ndarray[Any, Any] = numpy.stack([channels[name] for name in "RGB"], -1).astype("f4")
+        rgb: numpy.ndarray[Any, Any] = np.stack([channels[name] for name in "RGB"], -1).astype("f4")
         return rgb
 
 
 def _text_for(renderer: str, scene: File, words: Sequence[str], options: dict[str, Any]) -> str:
     with tempfile.TemporaryDirectory() as folder:
         run("tdpt", scene, "-o", os.path.join(folder, "found.glb"), "--work", folder + "/work", *words, *_words(options))
-        for grid in Path(folder).glob("work/portals-*/scene.vdb"):
-            return run("portalfit", "--for", renderer, grid)
-    raise Error(f"{os.fspath(scene)}: its portals were drawn by hand, so none are searched for", 3)
+        (grid,) = Path(folder).glob("work/portals-*/scene.vdb")
+        return run("portalfit", "--for", renderer, grid)
 
 
 def for_cycles(scene: File, *words: str, **options: Any) -> str:
