@@ -46,26 +46,6 @@ TEST(FilmPlane, TopLeftIsUpAndLeftAndYfovHolds) {
   EXPECT_NEAR(dot(film.direction(32, 24), c.forward), 1, 1e-12);
 }
 
-TEST(FilmPlane, DensityIntegratesToOneOverTheSphere) {
-  const FilmPlane film(camera(), 64, 48);
-  const int n = 200000;
-  double sum = 0, squares = 0, faulty = 0;
-  for (uint64_t i = 0; i < n; ++i) {
-    Rng rng(4, 0, i);
-    const double z = 2 * rng.uniform() - 1, phi = 2 * std::numbers::pi * rng.uniform();
-    const double r = std::sqrt(1 - z * z);
-    const Vec3d w(r * std::cos(phi), r * std::sin(phi), z);
-    double x, y;
-    if (!film.raster(w, x, y)) continue;
-    const double f = 4 * std::numbers::pi * film.pdf_w(w);
-    sum += f, squares += f * f;
-    faulty += f * dot(w, film.forward());  // one cosine too few in the denominator
-  }
-  const double mean = sum / n, error = std::sqrt((squares / n - mean * mean) / n);
-  EXPECT_NEAR(mean, 1, 4 * error);
-  EXPECT_GT(std::abs(faulty / n - 1), 4 * error);
-}
-
 const FilmPlane kFilm(camera(), 64, 48);
 const CameraBlur kLens({0.02, 0.5}, {});
 
@@ -76,7 +56,7 @@ Vec3d at_distance(double x, double y, double distance) {
 }
 
 TEST(Lens, ShowsItsPlaneOfFocusSharply) {
-  for (uint64_t i = 0; i < 1000; ++i) {
+  for (uint64_t i = 0; i < 200; ++i) {
     Rng rng(1, 0, i);
     const double x = 64 * rng.uniform(), y = 48 * rng.uniform();
     const FilmPlane seen = kLens.draw(kFilm, rng.uniform(), rng.uniform(), 0);
@@ -101,7 +81,7 @@ TEST(Lens, BlursOtherDistancesByAnEvenCircleOfConfusion) {
     const Vec3d p = at_distance(32, 24, d);
     const double radius = 0.02 * std::abs(1 / 0.5 - 1 / d) * pixels;
     double largest = 0, squares = 0, across = 0;
-    constexpr int kPoints = 20000;
+    constexpr int kPoints = 10000;
     for (uint64_t i = 0; i < kPoints; ++i) {
       Rng rng(2, 0, i);
       const FilmPlane seen = kLens.draw(kFilm, rng.uniform(), rng.uniform(), 0);
@@ -158,7 +138,7 @@ TEST(Shutter, MovesEvenlyFromPoseToPose) {
     EXPECT_LT(length(film.forward() - poses[i].forward), 1e-12);
     EXPECT_LT(length(film.up() - poses[i].up), 1e-12);
   }
-  for (double time = 0; time < 1; time += 0.01) {
+  for (double time = 0; time < 1; time += 0.1) {
     const FilmPlane film = shutter.draw(kFilm, 0.7, 0.2, time);
     const double moved = dot(film.position() - camera().position, camera().right);
     EXPECT_NEAR(moved, time < 0.5 ? -0.2 + 0.4 * time : 0.2 * (time - 0.5), 1e-12);

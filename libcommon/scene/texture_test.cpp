@@ -36,57 +36,29 @@ float row(Wrap wrap, double u, bool nearest = false) {
   return lookup(s, map, {0, u, 0.5})[0];
 }
 
-TEST(Lookup, IsBilinearBetweenTheMiddlesOfTexels) {
+TEST(Lookup, IsBilinearBetweenTexelsWhichRepeatMirrorOrStop) {
   for (const auto& [u, expected] :
        {std::pair{0.25, 0.0f}, {0.375, 0.25f}, {0.5, 0.5f}, {0.7, 0.9f}, {0.75, 1.0f}})
     for (Wrap wrap : {Wrap::repeat, Wrap::mirror, Wrap::clamp})
       EXPECT_NEAR(row(wrap, u), expected, 1e-6) << u;
-}
-
-TEST(Lookup, RepeatGoesOnAtTheOtherSide) {
-  for (const auto& [u, expected] : {std::pair{0.0, 0.5f},
-                                    {0.125, 0.25f},
-                                    {1.0, 0.5f},
-                                    {1.25, 0.0f},
-                                    {-0.25, 1.0f},
-                                    {-0.75, 0.0f},
-                                    {-1e-20, 0.5f},
-                                    {79.75, 1.0f},
-                                    {80.375, 0.25f}})
-    EXPECT_NEAR(row(Wrap::repeat, u), expected, 1e-6) << u;
-}
-
-TEST(Lookup, MirrorGoesBack) {
-  for (const auto& [u, expected] : {std::pair{0.0, 0.0f},
-                                    {1.0, 1.0f},
-                                    {1.25, 1.0f},
-                                    {1.375, 0.75f},
-                                    {1.75, 0.0f},
-                                    {2.0, 0.0f},
-                                    {2.75, 1.0f},
-                                    {-0.25, 0.0f},
-                                    {-0.75, 1.0f},
-                                    {-1e-20, 0.0f}})
-    EXPECT_NEAR(row(Wrap::mirror, u), expected, 1e-6) << u;
-}
-
-TEST(Lookup, ClampStaysAtTheEdge) {
-  for (const auto& [u, expected] :
-       {std::pair{0.0, 0.0f}, {-7.0, 0.0f}, {1.0, 1.0f}, {80.25, 1.0f}, {0.5, 0.5f}})
-    EXPECT_NEAR(row(Wrap::clamp, u), expected, 1e-6) << u;
+  const auto expect = [](Wrap wrap, const std::vector<double>& u, const std::vector<float>& reds) {
+    for (size_t i = 0; i < u.size(); ++i) EXPECT_NEAR(row(wrap, u[i]), reds[i], 1e-6) << u[i];
+  };
+  expect(Wrap::repeat, {0, 0.125, 1, 1.25, -0.25, -0.75, -1e-20, 79.75, 80.375},
+         {0.5f, 0.25f, 0.5f, 0, 1, 0, 0.5f, 1, 0.25f});
+  expect(Wrap::mirror, {0, 1, 1.25, 1.375, 1.75, 2, 2.75, -0.25, -0.75, -1e-20},
+         {0, 1, 1, 0.75f, 0, 0, 1, 0, 1, 0});
+  expect(Wrap::clamp, {0, -7, 1, 80.25, 0.5}, {0, 0, 1, 1, 0.5f});
 }
 
 TEST(Lookup, NearestTakesOneTexel) {
-  for (Wrap wrap : {Wrap::repeat, Wrap::mirror, Wrap::clamp}) {
-    EXPECT_EQ(row(wrap, 0.49, true), 0) << int(wrap);
-    EXPECT_EQ(row(wrap, 0.51, true), 1) << int(wrap);
-  }
-  EXPECT_EQ(row(Wrap::repeat, 1.0, true), 0);
-  EXPECT_EQ(row(Wrap::repeat, -1e-20, true), 0);  // rounds to 1, which is 0 again
-  EXPECT_EQ(row(Wrap::mirror, 1.1, true), 1);
-  EXPECT_EQ(row(Wrap::mirror, 2.0, true), 0);
-  EXPECT_EQ(row(Wrap::mirror, -1e-20, true), 0);
-  EXPECT_EQ(row(Wrap::clamp, 1.0, true), 1);
+  const auto expect = [](Wrap wrap, const std::vector<double>& u, const std::vector<float>& reds) {
+    for (size_t i = 0; i < u.size(); ++i) EXPECT_EQ(row(wrap, u[i], true), reds[i]) << u[i];
+  };
+  // -1e-20 rounds to 1, which is 0 again.
+  expect(Wrap::repeat, {0.49, 0.51, 1, -1e-20}, {0, 1, 0, 0});
+  expect(Wrap::mirror, {0.49, 0.51, 1.1, 2, -1e-20}, {0, 1, 1, 0, 0});
+  expect(Wrap::clamp, {0.49, 0.51, 1}, {0, 1, 1});
 }
 
 TEST(Lookup, RowZeroIsAtTheTop) {
@@ -133,6 +105,7 @@ TEST(Lookup, TheSetOfCoordinatesIsTheMaps) {
   s.uv[1].clear();  // no coordinates: (0, 0)
   map.nearest = true;
   EXPECT_EQ(lookup(s, map, {0, 0.75, 0.5})[0], 0);
+  EXPECT_EQ(lookup(s, {}, {0, 0.1, 0.2}), (std::array<float, 4>{1, 1, 1, 1})) << "no image";
 }
 
 TEST(Lookup, NoCoordinatesMakeItFail) {
@@ -153,10 +126,6 @@ TEST(Lookup, NoCoordinatesMakeItFail) {
           for (float c : lookup(s, map, {0, 0.3, 0.3})) EXPECT_NEAR(c, 77 / 255.0, 1e-6) << u;
           map.transform[0] = 1;
         }
-}
-
-TEST(Lookup, WithoutAnImageIsOne) {
-  EXPECT_EQ(lookup(triangle(), {}, {0, 0.1, 0.2}), (std::array<float, 4>{1, 1, 1, 1}));
 }
 
 TEST(BaseColour, IsFactorTimesTextureTimesVertexColour) {
@@ -216,24 +185,15 @@ void expect_near(const Vec3d& a, const Vec3d& b, double tolerance = 1e-6) {
       << a.x << " " << a.y << " " << a.z << ", expected " << b.x << " " << b.y << " " << b.z;
 }
 
-TEST(ShadingNormal, IsTheGeometricOneWhereNothingElseIsSaid) {
+TEST(ShadingNormal, IsInterpolatedWhereTheTriangleIsSmooth) {
   Scene s = triangle();
   EXPECT_EQ(shading_normal_at(s, {0, 0.2, 0.2}, kUp), kUp);
-  s.normals.assign(3, normalize(Vec3f(1, 0, 1)));
+  s.normals = {{0, 0, 1}, {0.6f, 0, 0.8f}, {0, -0.6f, 0.8f}};
   s.smooth = {0};
   EXPECT_EQ(shading_normal_at(s, {0, 0.2, 0.2}, kUp), kUp);
-}
-
-TEST(ShadingNormal, IsInterpolatedAndOfUnitLength) {
-  Scene s = triangle();
   s.smooth = {1};
-  s.normals = {{0, 0, 1}, {0.6f, 0, 0.8f}, {0, -0.6f, 0.8f}};
   expect_near(shading_normal_at(s, {0, 0.5, 0.25}, kUp), normalize(Vec3d(0.3, -0.15, 0.85)));
-}
-
-TEST(ShadingNormal, ThoseOfTheBackAreTurnedRound) {
-  Scene s = triangle();
-  s.smooth = {2};
+  s.smooth = {2};  // those of the back are turned round
   s.normals.assign(3, {0.6f, 0, -0.8f});
   expect_near(shading_normal_at(s, {0, 0.2, 0.2}, kUp), {-0.6, 0, 0.8});
 }
@@ -268,7 +228,7 @@ Vec3d bent(const Bytes& texel, std::array<float, 3> u, std::array<float, 3> v,
   return shading_normal_at(s, {0, 0.2, 0.2}, kUp);
 }
 
-TEST(NormalMaps, AxesComeFromTheTextureCoordinates) {
+TEST(NormalMaps, AxesComeFromTheTextureCoordinatesAndScaleBends) {
   // u to the right (x), v down (-y): the orientation of images.
   expect_near(bent(kBentRight, {0, 1, 0}, {1, 1, 0}), normalize(Vec3d(kHigh, kZero, kZ)));
   expect_near(bent(kBentUp, {0, 1, 0}, {1, 1, 0}), normalize(Vec3d(kZero, kHigh, kZ)));
@@ -276,6 +236,9 @@ TEST(NormalMaps, AxesComeFromTheTextureCoordinates) {
   expect_near(bent(kBentUp, {0, 1, 0}, {0, 0, 1}), normalize(Vec3d(kZero, -kHigh, kZ)));
   // u to the left: mirrored.
   expect_near(bent(kBentRight, {1, 0, 1}, {1, 1, 0}), normalize(Vec3d(-kHigh, kZero, kZ)));
+  expect_near(bent(kBentRight, {0, 1, 0}, {1, 1, 0}, {}, 0.5f),
+              normalize(Vec3d(kHigh / 2, kZero / 2, kZ)));
+  expect_near(bent(kBentRight, {0, 1, 0}, {1, 1, 0}, {}, -1), normalize(Vec3d(-kHigh, -kZero, kZ)));
   // u up, v to the right: rotated by a quarter.
   expect_near(bent(kBentRight, {0, 0, 1}, {0, 1, 0}), normalize(Vec3d(-kZero, kHigh, kZ)));
 }
@@ -292,12 +255,6 @@ TEST(NormalMaps, TangentsOfTheMeshComeFirst) {
   expect_near(bent(kBentUp, u, v, all({0, 0, 0, 1})), normalize(Vec3d(kZero, kHigh, kZ)));
 }
 
-TEST(NormalMaps, ScaleBendsMoreOrLess) {
-  expect_near(bent(kBentRight, {0, 1, 0}, {1, 1, 0}, {}, 0.5f),
-              normalize(Vec3d(kHigh / 2, kZero / 2, kZ)));
-  expect_near(bent(kBentRight, {0, 1, 0}, {1, 1, 0}, {}, -1), normalize(Vec3d(-kHigh, -kZero, kZ)));
-}
-
 TEST(NormalMaps, WithoutAnyFrameTheNormalStays) {
   const float nan = std::numeric_limits<float>::quiet_NaN();
   expect_near(bent(kBentRight, {0, 0, 0}, {0, 0, 0}), kUp);
@@ -306,12 +263,10 @@ TEST(NormalMaps, WithoutAnyFrameTheNormalStays) {
   const Vec3d n = bent(kBentRight, {3e38f, -3e38f, 2}, {0, 1, 3e38f});
   EXPECT_NEAR(length(n), 1, 1e-12);
   EXPECT_GT(n.z, 0.7);
-}
-
-TEST(NormalMaps, WhatTheyBendBehindTheSurfaceComesBack) {
-  const Vec3d n = bent({255, 128, 0, 255}, {0, 1, 0}, {1, 1, 0});  // (1, 0, -1)
-  EXPECT_GT(n.z, 0.7);
-  EXPECT_GT(n.x, 0.7);
+  // What is bent behind the surface, to (1, 0, -1), comes back.
+  const Vec3d behind = bent({255, 128, 0, 255}, {0, 1, 0}, {1, 1, 0});
+  EXPECT_GT(behind.z, 0.7);
+  EXPECT_GT(behind.x, 0.7);
 }
 
 }  // namespace tdpt::texture_test

@@ -14,7 +14,7 @@ template <class Error>
 double worst(double low, double high, Error error) {
   double most = 0;
   tdpt::Rng rng(1, 0, 0);
-  for (int i = 0; i < 1 << 20; ++i)
+  for (int i = 0; i < 1 << 18; ++i)
     most = std::max(most, error(static_cast<float>(low + (high - low) * rng.uniform())));
   return most;
 }

@@ -85,9 +85,10 @@ Scene sheet_on_a_ground(bool ground) {
 
 // Hits all over the sheet, one in `far_one_in` of them on the ground.
 Walks walks_on(const Scene& s, size_t far_one_in) {
+  const Scene alone = sheet(30);
   Walks walks;
   for (size_t k = 0; k < 20000; ++k) {
-    WalkHit p = random_place(sheet(30), k);
+    WalkHit p = random_place(alone, k);
     Rng rng(5, 0, k);
     if (k % far_one_in == 0) {
       const double x = rng.uniform();
@@ -149,25 +150,6 @@ TEST(patch_grid, cells_are_small_about_the_region_and_large_far_away) {
       EXPECT_LT(key.level, g.fine.level);
     }
   }
-  // The fragments cover their surface exactly once: the whole sheet, and the ground where it was
-  // hit.
-  const Fragments fragments(map);
-  double sheet = 0;
-  for (const Fragments::Fragment& f : fragments.all())
-    if (f.face < 2 * 1800) sheet += f.area;
-  EXPECT_NEAR(sheet, 4, 0.01);
-}
-
-TEST(connectivity, the_two_zeros_are_one_place) {
-  Scene s = sheet(2);
-  for (Triangle& t : s.triangles)
-    for (uint32_t& v : t.vertex) {
-      Vec3f copy = s.positions[v];
-      copy.z = s.positions.size() % 2 ? 0.0f : -0.0f;
-      v = static_cast<uint32_t>(s.positions.size());
-      s.positions.push_back(copy);
-    }
-  EXPECT_EQ(surface_components(s), std::vector<uint32_t>(8, 0));
 }
 
 }  // namespace tdpt::patch_map_test

@@ -129,21 +129,19 @@ TEST(Panes, are_sheets_of_solid_glass) {
 }
 
 TEST(Panes, are_no_other_things) {
-  Scene thin = scene_of_glass();
-  thin.materials[0].solid = false;
-  add_box(thin, {0, 0, 0}, {1, 1, 0.01}, 0);
-  EXPECT_TRUE(solid_panes(thin).empty());
-  Scene board = scene_of_glass();
-  add_box(board, {0, 0, 0}, {1, 1, 0.01}, 1);
-  EXPECT_TRUE(solid_panes(board).empty());
-  Scene cavity = scene_of_glass();  // air within glass: faces that point at each other
-  add_box(cavity, {0, 0, 0}, {1, 1, 0.01}, 0);
-  for (Triangle& t : cavity.triangles) std::swap(t.vertex[1], t.vertex[2]);
-  EXPECT_TRUE(solid_panes(cavity).empty());
-  Scene block = scene_of_glass();
-  add_box(block, {0, 0, 0}, {1, 1, 1.01}, 0);
-  add_box(block, {2, 0.1, 0.1}, {2.5, 0.6, 0.61}, 0);
-  EXPECT_TRUE(solid_panes(block).empty());
+  const auto panes = [](bool solid, uint32_t material, bool inwards, double thickness) {
+    Scene scene = scene_of_glass();
+    scene.materials[0].solid = solid;
+    add_box(scene, {0, 0, 0}, {1, 1, thickness}, material);
+    if (inwards)
+      for (Triangle& t : scene.triangles) std::swap(t.vertex[1], t.vertex[2]);
+    return solid_panes(scene).size();
+  };
+  EXPECT_EQ(panes(true, 0, false, 0.01), 1u);
+  EXPECT_EQ(panes(false, 0, false, 0.01), 0u);  // a sheet of thin glass
+  EXPECT_EQ(panes(true, 1, false, 0.01), 0u);   // a board
+  EXPECT_EQ(panes(true, 0, true, 0.01), 0u);    // air within glass
+  EXPECT_EQ(panes(true, 0, false, 1.01), 0u);   // a block
 }
 
 }  // namespace tdpt::building_test

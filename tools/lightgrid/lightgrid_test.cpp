@@ -4,7 +4,6 @@
 #include <optional>
 
 #include <gtest/gtest.h>
-#include <tbb/global_control.h>
 
 #include "libcommon/base/error.h"
 #include "tools/lightgrid/testing/perfect_cut.h"
@@ -95,6 +94,11 @@ TEST(LightGrid, LightPassesTheHole) {
       EXPECT_EQ(grid.count[i], 0);
     }
   EXPECT_GT(report.all().joined, 0.2 * static_cast<double>(report.all().tried));
+  // Twin: a "cut" through the middle of a room has lines, but no support.
+  const CutFile wrong =
+      testing::perfect_cut(scene, 60000, [](const Vec3d& p) { return p.x > 1.0; });
+  LightGridReport other;
+  EXPECT_LT(share_through_hole(make_light_grid(scene, wrong, "a.cut", quick(), other)), 0.3);
 }
 
 TEST(LightGrid, AWideGroundDoesNotCoarsenTheVoxels) {
@@ -137,47 +141,31 @@ TEST(LightGrid, LinesThatLeaveTheGridEndThere) {
   EXPECT_FALSE(clipped({{3, 0, 0}, {0, 3, 0}}));
 }
 
-// The twin that must fail: a "cut" through the middle of a room has lines, but no support.
-TEST(LightGrid, ACutThroughTheRoomHasNoSupport) {
-  const Scene scene = two_rooms();
-  const CutFile wrong =
-      testing::perfect_cut(scene, 60000, [](const Vec3d& p) { return p.x > 1.0; });
-  LightGridReport report;
-  const LightGrid grid = make_light_grid(scene, wrong, "a.cut", quick(), report);
-  EXPECT_LT(share_through_hole(grid), 0.3);
-}
-
-TEST(LightGrid, SameBytesForAnyNumberOfThreads) {
-  const Scene scene = two_rooms();
-  const CutFile cut = door_cut(scene);
-  std::vector<std::string> bytes;
-  for (const size_t threads : {1, 3}) {
-    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-    LightGridReport report;
-    bytes.push_back(light_grid_bytes(make_light_grid(scene, cut, "a.cut", quick(), report)));
-  }
-  EXPECT_TRUE(bytes[0] == bytes[1]);
-  LightGridOptions other = quick();
-  other.seed = 2;
-  LightGridReport report;
-  EXPECT_FALSE(bytes[0] == light_grid_bytes(make_light_grid(scene, cut, "a.cut", other, report)));
-}
-
 TEST(LightGrid, SettlesOrSaysThatItDidNot) {
   const Scene scene = two_rooms();
   const CutFile cut = door_cut(scene);
   LightGridOptions options = quick();
-  LightGridReport report;
+  LightGridReport few, loose, stopped;
   options.samples = 1000;
-  make_light_grid(scene, cut, "a.cut", options, report);
-  EXPECT_FALSE(report.all().settled);
-  EXPECT_EQ(report.all().drawn, 1000u);
+  make_light_grid(scene, cut, "a.cut", options, few);
+  EXPECT_FALSE(few.all().settled);
+  EXPECT_EQ(few.all().drawn, 1000u);
   options.samples = 1 << 22;
   options.tolerance = 0.2;
-  LightGridReport loose;
   make_light_grid(scene, cut, "a.cut", options, loose);
   EXPECT_TRUE(loose.all().settled);
   EXPECT_LT(loose.all().drawn, options.samples);
+  // Stopped, it keeps what it has.
+  options.tolerance = 0;
+  const LightGrid grid =
+      make_light_grid(scene, cut, "a.cut", options, stopped, {{}, [] { return true; }});
+  EXPECT_TRUE(stopped.stopped);
+  EXPECT_LT(stopped.all().drawn, options.samples);
+  ASSERT_EQ(stopped.cuts.size(), 1u);
+  EXPECT_EQ(stopped.cuts[0].batches, 1u);
+  EXPECT_FALSE(stopped.cuts[0].settled);
+  EXPECT_EQ(stopped.cuts[0].lines, grid.lines.size());
+  EXPECT_FALSE(grid.lines.empty());
 }
 
 // Reports every line as blocked; records its calls.
@@ -225,25 +213,6 @@ TEST(LightGrid, TakesDirectionsBeforeTheyOverflow) {
   EXPECT_LT(LIGHT_MOST_SUMMED * LIGHT_DIRECTION_UNITS, 0x1p31f);
 }
 
-TEST(LightGrid, StopsWithWhatItHas) {
-  const Scene scene = two_rooms();
-  LightGridReport report;
-  LightGridOptions options = quick();
-  options.samples = 1 << 22;
-  options.tolerance = 0;
-  const LightGrid grid =
-      make_light_grid(scene, door_cut(scene), "a.cut", options, report, {{}, [] { return true; }});
-  EXPECT_TRUE(report.stopped);
-  EXPECT_LT(report.all().drawn, options.samples);
-  ASSERT_EQ(report.cuts.size(), 1u);
-  EXPECT_EQ(report.cuts[0].drawn, report.all().drawn);
-  EXPECT_EQ(report.cuts[0].kept, report.all().kept);
-  EXPECT_EQ(report.cuts[0].batches, 1u);
-  EXPECT_FALSE(report.cuts[0].settled);
-  EXPECT_EQ(report.cuts[0].lines, grid.lines.size());
-  EXPECT_FALSE(grid.lines.empty());
-}
-
 TEST(LightGrid, RefusesWhatDoesNotBelongTogether) {
   const Scene scene = two_rooms();
   CutFile cut = door_cut(scene);
@@ -278,18 +247,16 @@ TEST(LightGrid, NoBottleneckIsAResult) {
             "no pair of the cut has any surface");
 }
 
-// Lines through the middle of the hole, and one outside of the grid.
-std::vector<LightLine> own_lines() {
-  std::vector<LightLine> own{{{9, 9, 9}, {8, 8, 8}, 0}};
-  for (int i = 0; i < 40; ++i) own.push_back({{3.9, 0.9 + 0.005 * i, 0}, {0.2, 1, 0.1}, 0});
-  return own;
-}
-
 TEST(LightGrid, KeepsOnesOwnLinesAndCountsThem) {
   const Scene scene = two_rooms();
   LightGridOptions options = quick();
-  options.own = own_lines();
+  options.own = {{{9, 9, 9}, {8, 8, 8}, 0}};  // outside of the grid
   LightGridReport report;
+  const LightGrid none = make_light_grid(scene, door_cut(scene), "a.cut", options, report);
+  EXPECT_FALSE(none.bottleneck);
+  EXPECT_EQ(none.reason, "no line given lies in the grid");
+  for (int i = 0; i < 40; ++i)  // through the middle of the hole
+    options.own.push_back({{3.9, 0.9 + 0.005 * i, 0}, {0.2, 1, 0.1}, 0});
   const LightGrid grid = make_light_grid(scene, door_cut(scene), "a.cut", options, report);
   ASSERT_EQ(grid.lines.size(), 40u);
   for (size_t l = 0; l < 40; ++l) EXPECT_EQ(grid.lines[l].light, options.own[l + 1].light);
@@ -306,16 +273,6 @@ TEST(LightGrid, KeepsOnesOwnLinesAndCountsThem) {
   for (const Probe& probe : grid.probes) joins += probe.joins;
   EXPECT_GT(grid.probes.size(), 1000u);
   EXPECT_GT(joins, grid.probes.size() / 8);
-}
-
-TEST(LightGrid, OnesOwnLinesBesideTheGridAreNone) {
-  const Scene scene = two_rooms();
-  LightGridOptions options = quick();
-  options.own = {own_lines().front()};
-  LightGridReport report;
-  const LightGrid grid = make_light_grid(scene, door_cut(scene), "a.cut", options, report);
-  EXPECT_FALSE(grid.bottleneck);
-  EXPECT_EQ(grid.reason, "no line given lies in the grid");
 }
 
 }  // namespace tdpt::lightgrid_test

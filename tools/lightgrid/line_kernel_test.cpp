@@ -40,74 +40,27 @@ shader::LightParameters parameters_of(const LineTables& tables) {
   return p;
 }
 
+// Two triangles in one place, and a cut with these patches, one on each side.
+Scene two_triangles() {
+  Scene scene;
+  scene.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  scene.triangles = {{{0, 1, 2}, 0}, {{0, 1, 2}, 0}};
+  return scene;
+}
+LineTables tables_of(const Patch& light, const Patch& camera, const PatchGrid& grid) {
+  CutFile cut;
+  cut.grid = grid;
+  cut.patches = {light, camera};
+  cut.sides = {0, 1};
+  cut.cuts.resize(1);
+  return make_line_tables(two_triangles(), cut, "a.cut");
+}
+
 // A scene without rays.
 struct NoRays {
   bool segment_blocked(const Vec3f&, const Vec3f&, uint32_t) const { return false; }
   bool first_hit(const Vec3f&, const Vec3f&, uint32_t, shader::SurfaceHit&) const { return false; }
 };
-
-// Rays that hit triangle 0 after 1 in +x and triangle 1 after 1 in -x.
-struct BetweenTwo {
-  bool ahead = true, behind = true;
-  mutable std::vector<uint32_t> coins;
-  bool segment_blocked(const Vec3f&, const Vec3f&, uint32_t) const { return false; }
-  bool first_hit(const Vec3f&, const Vec3f& w, uint32_t coin, shader::SurfaceHit& hit) const {
-    coins.push_back(coin);
-    hit = {1, w.x > 0 ? 0u : 1u, 0, 0, 0};
-    return w.x > 0 ? ahead : behind;
-  }
-};
-
-TEST(LineKernel, lines_through_a_place_lead_from_light_to_camera) {
-  LineTables tables;
-  tables.face_normals = {{{-1, 0, 0}, 0}, {{-1, 0, 0}, 0}};  // faces 0 and 3 are met
-  tables.first_cell = {0, 1, 1, 1, 2};
-  tables.region_sides = {0, 0, 1, 0, 3, 0, 7, 0};  // one behind the other
-  VoxelSums sums(1);
-  BetweenTwo rays;
-  shader::LineEnds line;
-  // Regions ahead and behind; which cut.
-  const auto fate = [&](uint32_t ahead, uint32_t behind, uint32_t c, Vec3f direction) {
-    tables.patch_cells = {{{0, 0, 0}, ahead}, {{0, 0, 0}, behind}};
-    shader::LightParameters p{};
-    p.first_sky_face = UINT32_MAX;
-    p.cell_corner = {-50, -50, -50};
-    p.cells_per_unit = 0.01f;
-    p.levels = 1;
-    p.cut = c;
-    rays.coins.clear();
-    shader::LineKernel<BetweenTwo> kernel(rays, tables, p, sums);
-    const uint32_t out = kernel.line_through({{0, 0.5f, 1.5f}, 0, direction, 0}, 9, line);
-    for (const uint32_t coin : rays.coins) EXPECT_EQ(coin, kernel.coin_of_line(9));
-    return out;
-  };
-  const Vec3f right(1, 0, 0);
-  for (const float turned : {1.0f, -1.0f}) {
-    SCOPED_TRACE(turned);
-    EXPECT_EQ(fate(0, 1, 0, right * turned), FATE_JOINS);
-    EXPECT_NEAR(line.light.x, 1, 1e-5);
-    EXPECT_NEAR(line.camera.x, -1, 1e-5);
-    EXPECT_EQ(line.light.y, 0.5f);
-    EXPECT_EQ(line.camera.z, 1.5f);
-    EXPECT_EQ(line.light_face, 0u);
-    EXPECT_EQ(line.camera_face, 3u);
-    EXPECT_EQ(fate(2, 1, 1, right * turned), FATE_JOINS);
-    EXPECT_NEAR(line.light.x, -1, 1e-5);
-    EXPECT_EQ(line.light_face, 3u);
-    EXPECT_EQ(line.camera_face, 0u);
-    EXPECT_EQ(fate(2, 1, 0, right * turned), FATE_SAME_SIDE);
-    EXPECT_EQ(fate(0, 1, 1, right * turned), FATE_SAME_SIDE);
-  }
-  EXPECT_EQ(fate(0, 1, 0, Vec3f(0)), FATE_NONE);
-  EXPECT_TRUE(rays.coins.empty());
-  rays.ahead = false;
-  EXPECT_EQ(fate(0, 1, 0, right), FATE_NONE);
-  rays.ahead = true, rays.behind = false;
-  EXPECT_EQ(fate(0, 1, 0, right), FATE_NONE);
-  rays.behind = true;
-  tables.first_cell = {0, 1, 1, 2, 2};  // no patch on face 3
-  EXPECT_EQ(fate(0, 1, 0, right), FATE_NONE);
-}
 
 // Records what a tracer is asked for.
 class AskedTracer : public LineTracer {
@@ -128,7 +81,7 @@ class AskedTracer : public LineTracer {
 };
 
 TEST(LineTracer, asks_for_random_numbers_of_its_own_for_each_cut_and_pass) {
-  const Scene scene = read_gltf(TDPT_TESTDATA "/scenes/two-rooms.glb");
+  const Scene scene = two_triangles();
   const uint64_t seed = 0x1234'5678'9abc'def0;
   LineTables tables;
   for (uint32_t k = 0; k < kMostCuts; ++k) tables.cuts.push_back({k, 7 + k, {}});
@@ -138,10 +91,7 @@ TEST(LineTracer, asks_for_random_numbers_of_its_own_for_each_cut_and_pass) {
   std::vector<uint32_t> streams;
   const auto add = [&](uint32_t k) {
     const shader::LightParameters& p = tracer.asked;
-    EXPECT_EQ(p.seed, seed);
-    EXPECT_EQ(p.cut, k);
-    EXPECT_EQ(p.first_arc, k);
-    EXPECT_EQ(p.arcs, 7 + k);
+    EXPECT_EQ(std::tuple(p.seed, p.cut, p.first_arc, p.arcs), std::tuple(seed, k, k, 7 + k));
     for (const uint32_t of : {0u, LINE_VOTES_OF_LIGHT, LINE_VOTES_OF_CAMERA, LINE_COIN})
       streams.push_back(p.stream + of);
   };
@@ -157,28 +107,6 @@ TEST(LineTracer, asks_for_random_numbers_of_its_own_for_each_cut_and_pass) {
   }
   std::sort(streams.begin(), streams.end());
   EXPECT_EQ(std::unique(streams.begin(), streams.end()), streams.end());
-}
-
-// Everything that distinguishes lines distinguishes their coins, so that different lines hit
-// different surfaces.
-TEST(LineKernel, coins_are_of_one_line_only) {
-  const LineTables tables;
-  VoxelSums sums(1);
-  const NoRays none;
-  std::vector<uint32_t> coins;
-  for (int i = 0; i < 7; ++i) {
-    shader::LightParameters p{};
-    p.first_sky_face = UINT32_MAX;
-    p.seed = shader::word64_of(i == 2, i == 1);
-    p.stream = i == 3;
-    p.round = i == 4;
-    shader::LineKernel<NoRays> kernel(none, tables, p, sums);
-    coins.push_back(kernel.coin_of_line(i == 5));
-  }
-  EXPECT_EQ(coins[0], coins[6]);
-  coins.pop_back();
-  std::sort(coins.begin(), coins.end());
-  EXPECT_EQ(std::unique(coins.begin(), coins.end()), coins.end());
 }
 
 // p-value of the end faces of lines of the second of two cuts, against capacities and areas;
@@ -222,7 +150,7 @@ double p_of_faces(double wrong) {
   VoxelSums sums(1);
   const NoRays none;
   shader::LineKernel<NoRays> kernel(none, tables, p, sums);
-  return chi_square_of_samples(100000, probability,
+  return chi_square_of_samples(20000, probability,
                                [&](uint64_t i) {
                                  const auto line = kernel.draw_line(static_cast<uint32_t>(i));
                                  return size_t{8} * line.light_face + line.camera_face;
@@ -251,30 +179,6 @@ TEST(LineKernel, lines_are_free_when_both_faces_look_along) {
   EXPECT_FALSE(is_free(-up, 0, 2));  // the other way
   EXPECT_TRUE(is_free(-up, 1, 3));
   EXPECT_FALSE(is_free({0.5f, 0, 0}, 0, 2));  // within the plane of one
-}
-
-TEST(LineKernel, marches_through_voxels_towards_the_camera) {
-  const LineTables tables;
-  const NoRays none;
-  shader::LightParameters p{};
-  p.first_sky_face = UINT32_MAX;
-  p.grid_corner = {-1, 0, 1};
-  p.voxels_per_unit = 2;
-  p.dim = {3, 2, 4};
-  VoxelSums sums(24);
-  shader::LineKernel<NoRays> kernel(none, tables, p, sums);
-  kernel.march({{-0.9f, 0.6f, 2.9f}, 0, {-0.9f, 0.6f, 1.1f}, 0});  // down column (0,1)
-  kernel.march({{0.4f, 0.1f, 1.7f}, 0, {-0.9f, 0.1f, 1.7f}, 0});   // along row (y,z) = (0,1)
-  std::vector<Vec3d> direction(24);
-  sums.take_directions(direction);
-  std::vector<uint32_t> count;
-  sums.counts(count);
-  for (size_t i = 0; i < 24; ++i) {
-    const size_t x = i % 3, y = i / 3 % 2, z = i / 6;
-    const bool first = x == 0 && y == 1, second = y == 0 && z == 1;
-    EXPECT_EQ(count[i], first || second ? 1u : 0u) << i;
-    EXPECT_EQ(direction[i], first ? Vec3d(0, 0, -1) : second ? Vec3d(-1, 0, 0) : Vec3d()) << i;
-  }
 }
 
 TEST(LineKernel, directions_are_rounded_to_the_nearest_unit) {
@@ -312,29 +216,24 @@ struct Ballots {
   }
 };
 
-// Whether the ends of a line win their votes; also returns the coins of the rays.
+// Whether the ends of a line win their votes; also returns the coins of the rays. The
+// last is the line's own.
 bool win(const std::vector<Ballot>& of_rays, std::vector<uint32_t>& coins, uint32_t number = 0,
-         uint32_t round = 0, uint32_t stream = 0x10000) {
-  Scene scene;
-  scene.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
-  scene.triangles = {{{0, 1, 2}, 0}, {{0, 1, 2}, 0}};
-  CutFile cut;
-  cut.grid = {Vec3d(-50), 100};
+         uint32_t round = 0, uint32_t stream = 0x10000, uint64_t seed = 0) {
   Patch light{}, camera{};
   light.faces = {0, 3};  // the light's end looks down, at the fronts
   camera.faces = {1, 2};
-  cut.patches = {light, camera};
-  cut.sides = {0, 1};
-  cut.cuts.resize(1);
-  const LineTables tables = make_line_tables(scene, cut, "a.cut");
+  const LineTables tables = tables_of(light, camera, {Vec3d(-50), 100});
   shader::LightParameters p = parameters_of(tables);
   p.round = round;
   p.stream = stream;
+  p.seed = seed;
   VoxelSums sums(1);
   const Ballots rays{of_rays, {}};
   shader::LineKernel<Ballots> kernel(rays, tables, p, sums);
   const bool won = kernel.ends_see_their_sides({{}, 1, {}, 0}, number);
   coins = rays.coins;
+  coins.push_back(kernel.coin_of_line(number));
   return won;
 }
 
@@ -347,44 +246,47 @@ TEST(LineKernel, ends_win_by_a_lead_of_four_or_by_more_of_sixteen) {
   };
   // Both ends at once: four rays each.
   EXPECT_TRUE(win(votes(8, 0), coins));
-  EXPECT_EQ(coins.size(), 8u);
+  EXPECT_EQ(coins.size(), 9u);
   // One end, then none for the other.
   EXPECT_FALSE(win(votes(0, 4), coins));
-  EXPECT_EQ(coins.size(), 4u);
+  EXPECT_EQ(coins.size(), 5u);
   EXPECT_FALSE(win(votes(4, 4), coins));
-  EXPECT_EQ(coins.size(), 8u);
+  EXPECT_EQ(coins.size(), 9u);
   // Three votes are too few, and 16 rays are the maximum.
   EXPECT_FALSE(win(votes(3, 0), coins));
-  EXPECT_EQ(coins.size(), 16u);
+  EXPECT_EQ(coins.size(), 17u);
   // A tie does not win; nine of sixteen do.
   std::vector<Ballot> tie;
   for (int i = 0; i < 8; ++i) tie.insert(tie.end(), {Ballot::own, Ballot::other});
   EXPECT_FALSE(win(tie, coins));
-  EXPECT_EQ(coins.size(), 16u);
+  EXPECT_EQ(coins.size(), 17u);
   tie[15] = Ballot::own;
   tie.resize(20, Ballot::own);
   EXPECT_TRUE(win(tie, coins));
-  EXPECT_EQ(coins.size(), 20u);
+  EXPECT_EQ(coins.size(), 21u);
 }
 
 // No random number is used twice: not by both ends, nor by the line itself, nor by another line.
 TEST(LineKernel, votes_have_numbers_of_their_own) {
   std::vector<uint32_t> all, coins;
   const std::vector<Ballot> mine(8, Ballot::own);
-  const uint32_t segments = 0x10000, tries = 0x20000;
-  for (const auto& [number, round, stream] :
-       std::vector<std::array<uint32_t, 3>>{{0, 0, segments},
-                                            {1, 0, segments},
-                                            {0, 1, segments},
-                                            {0, 0, tries},
-                                            {0, 0, segments + kMostCuts - 1},
-                                            {0, 0, tries + kMostCuts - 1}}) {
-    ASSERT_TRUE(win(mine, coins, number, round, stream));
+  const uint32_t segments = 0x10000, tries = 0x20000, last = kMostCuts - 1;
+  const uint64_t high = shader::word64_of(1, 0), low = shader::word64_of(0, 1);
+  for (const auto& [number, round, stream, seed] :
+       std::vector<std::tuple<uint32_t, uint32_t, uint32_t, uint64_t>>{{0, 0, segments, 0},
+                                                                       {1, 0, segments, 0},
+                                                                       {0, 1, segments, 0},
+                                                                       {0, 0, segments, high},
+                                                                       {0, 0, segments, low},
+                                                                       {0, 0, tries, 0},
+                                                                       {0, 0, segments + last, 0},
+                                                                       {0, 0, tries + last, 0}}) {
+    ASSERT_TRUE(win(mine, coins, number, round, stream, seed));
     all.insert(all.end(), coins.begin(), coins.end());
-    shader::Rng line = shader::rng_of(0, stream, number, round);
+    shader::Rng line = shader::rng_of(seed, stream, number, round);
     for (int i = 0; i < 64; ++i) all.push_back(shader::random_word(line));
   }
-  EXPECT_EQ(all.size(), 6 * 72u);
+  EXPECT_EQ(all.size(), 8 * 73u);
   std::sort(all.begin(), all.end());
   EXPECT_EQ(std::unique(all.begin(), all.end()), all.end());
 }
@@ -434,55 +336,50 @@ TEST(LineTables, CellsShareATriangleOut) {
   EXPECT_NEAR(total, shape_of(scene, 0).area, 1e-6);
 }
 
-TEST(LineTables, FinerPatchesComeFirst) {
-  Scene scene;
-  scene.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
-  scene.triangles = {{{0, 1, 2}, 0}};
+// Each cut has its own sides, also in the second of a region's two words.
+TEST(LineTables, RegionsHaveASideOfEachCut) {
   CutFile cut;
-  cut.grid.base_cell = 4;
+  cut.grid = {Vec3d(-50), 100};
+  cut.patches.resize(2);
+  cut.patches[0].faces = {0};
+  cut.patches[1].faces = {1};
+  cut.sides = {0b01, uint64_t{1} << 40};
+  cut.cuts.resize(41);
+  const LineTables tables = make_line_tables(two_triangles(), cut, "a.cut");
+  VoxelSums sums(1);
+  const NoRays none;
+  for (const uint32_t c : {0u, 1u, 40u}) {
+    shader::LightParameters p = parameters_of(tables);
+    p.cut = c;
+    shader::LineKernel<NoRays> kernel(none, tables, p, sums);
+    for (uint32_t face = 0; face < 2; ++face) {
+      uint32_t region;
+      ASSERT_TRUE(kernel.region_at(face, Vec3f(0.1f, 0.1f, 0), region));
+      EXPECT_EQ(kernel.side_of_region(region), cut.sides[face] >> c & 1);
+    }
+  }
+}
+
+TEST(LineTables, FinerPatchesComeFirst) {
   Patch coarse{}, fine{};
   coarse.faces = fine.faces = {0};
   fine.level = 2;  // cells of 0.25
-  cut.patches = {coarse, fine};
-  cut.sides = {0, 1};
-  cut.cuts.resize(1);
-  const LineTables tables = make_line_tables(scene, cut, "a.cut");
-  shader::LightParameters p = parameters_of(tables);
-  VoxelSums sums(1);
-  const NoRays none;
-  shader::LineKernel<NoRays> kernel(none, tables, p, sums);
-  const auto region = [&](uint32_t face, const Vec3f& at) {
+  const auto region = [&](double cell, uint32_t face, const Vec3f& at) {
+    const LineTables tables = tables_of(coarse, fine, {{}, cell});
+    VoxelSums sums(1);
+    const NoRays none;
+    shader::LineKernel<NoRays> kernel(none, tables, parameters_of(tables), sums);
     uint32_t r = 9;
     return kernel.region_at(face, at, r) ? static_cast<int>(r) : -1;
   };
-  EXPECT_EQ(region(0, {0.1f, 0.1f, 0}), 1);
-  EXPECT_EQ(region(0, {0.5f, 0.1f, 0}), 0);
-  EXPECT_EQ(region(1, {0.5f, 0.1f, 0}), -1);
-  EXPECT_EQ(region(0, {5, 0.1f, 0}), -1);
-}
-
-TEST(LineTables, CellsTooSmallForFloatsHoldNothing) {
-  Scene scene;
-  scene.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
-  scene.triangles = {{{0, 1, 2}, 0}};
-  CutFile cut;
-  cut.grid.base_cell = 1e-45;
-  Patch patch{};
-  patch.faces = {0};
-  patch.cell = {INT32_MIN, INT32_MIN, INT32_MIN};
-  cut.patches = {patch};
-  cut.sides = {0};
-  const LineTables tables = make_line_tables(scene, cut, "a.cut");
-  shader::LightParameters p{};
-  p.first_sky_face = UINT32_MAX;
-  p.cells_per_unit = tables.cells_per_unit;
-  p.levels = tables.levels;
-  VoxelSums sums(1);
-  const NoRays none;
-  shader::LineKernel<NoRays> kernel(none, tables, p, sums);
-  uint32_t region;
-  for (const Vec3f& at : {Vec3f(0), Vec3f(0.1f), Vec3f(-0.1f, 0, 0)})  // 0 * infinity
-    EXPECT_FALSE(kernel.region_at(0, at, region));
+  EXPECT_EQ(region(4, 0, {0.1f, 0.1f, 0}), 1);
+  EXPECT_EQ(region(4, 0, {0.5f, 0.1f, 0}), 0);
+  EXPECT_EQ(region(4, 1, {0.5f, 0.1f, 0}), -1);
+  EXPECT_EQ(region(4, 0, {5, 0.1f, 0}), -1);
+  // Cells too small for floats hold nothing: 0 * infinity.
+  coarse.cell = fine.cell = {INT32_MIN, INT32_MIN, INT32_MIN};
+  for (const Vec3f& at : {Vec3f(0), Vec3f(0.1f), Vec3f(-0.1f, 0, 0)})
+    EXPECT_EQ(region(1e-45, 0, at), -1);
 }
 
 }  // namespace tdpt::line_kernel_test

@@ -1,4 +1,5 @@
 #include <cstdio>
+#include <tuple>
 
 #include <gtest/gtest.h>
 
@@ -20,55 +21,31 @@ FlowNetwork random_network(uint64_t seed, uint32_t nodes, uint32_t arcs, uint32_
   return net;
 }
 
-TEST(verify, accepts_what_the_solver_finds) {
-  for (uint64_t seed = 0; seed < 100; ++seed) {
-    const FlowNetwork net = random_network(seed, 60, 400, 1000);
-    EXPECT_NO_THROW(verify_max_flow(net, max_flow(net)));
-  }
-}
-
-std::string refutation(const FlowNetwork& net, const MaxFlow& result) {
-  try {
-    verify_max_flow(net, result);
-  } catch (const Error& e) {
-    EXPECT_EQ(e.code, Exit::internal);
-    return std::string(e.what()).substr(35);
-  }
-  return "(accepted)";
-}
-
 // s -> 2 -> t with capacities 5 and 3.
 TEST(verify, refutes_every_planted_fault) {
   const FlowNetwork net{3, 0, 1, {{0, 2, 5}, {2, 1, 3}}};
-  const MaxFlow good{3, {3, 3}, {1, 0, 1}};
-  ASSERT_EQ(refutation(net, good), "(accepted)");
-  MaxFlow m = good;
-  m.flow[0] = 4;
-  EXPECT_EQ(refutation(net, m), "node 3 keeps 1, expected 0");
-  m = good;
-  m.flow[1] = 4;
-  EXPECT_EQ(refutation(net, m), "arc 2 carries 4, expected 0 to 3");
-  m = good;
-  m.flow[0] = -1;
-  EXPECT_EQ(refutation(net, m), "arc 1 carries -1, expected 0 to 5");
-  m = {2, {2, 2}, {1, 0, 1}};
-  EXPECT_EQ(refutation(net, m), "the cut holds 3, expected the flow 2");
-  m = good;
-  m.source_side = {1, 0, 0};
-  EXPECT_EQ(refutation(net, m), "the cut holds 5, expected the flow 3");
-  m.source_side = {1, 1, 1};
-  EXPECT_EQ(refutation(net, m), "the sink is on the source's side");
-  m.source_side = {0, 0, 1};
-  EXPECT_EQ(refutation(net, m), "the source is not on its own side");
-  m = good;
-  m.value = 4;
-  EXPECT_EQ(refutation(net, m), "3 arrives at the sink, expected 4");
-  m = good;
-  m.flow.pop_back();
-  EXPECT_EQ(refutation(net, m), "1 flows, expected 2");
-  m = good;
-  m.source_side.pop_back();
-  EXPECT_EQ(refutation(net, m), "2 sides, expected 3");
+  const auto refutation = [&](const MaxFlow& result) -> std::string {
+    try {
+      verify_max_flow(net, result);
+      return "accepted";
+    } catch (const Error& e) {
+      EXPECT_EQ(e.code, Exit::internal);
+      return e.what();
+    }
+  };
+  EXPECT_EQ(refutation({3, {3, 3}, {1, 0, 1}}), "accepted");
+  for (const auto& [wrong, words] : std::vector<std::pair<MaxFlow, const char*>>{
+           {{3, {4, 3}, {1, 0, 1}}, "node 3 keeps 1"},
+           {{3, {3, 4}, {1, 0, 1}}, "arc 2 carries 4"},
+           {{3, {-1, 3}, {1, 0, 1}}, "arc 1 carries -1"},
+           {{2, {2, 2}, {1, 0, 1}}, "the cut holds 3, expected the flow 2"},
+           {{3, {3, 3}, {1, 0, 0}}, "the cut holds 5, expected the flow 3"},
+           {{3, {3, 3}, {1, 1, 1}}, "the sink is on"},
+           {{3, {3, 3}, {0, 0, 1}}, "the source is not on"},
+           {{4, {3, 3}, {1, 0, 1}}, "3 arrives"},
+           {{3, {3}, {1, 0, 1}}, "1 flows"},
+           {{3, {3, 3}, {1, 0}}, "2 sides"}})
+    EXPECT_NE(refutation(wrong).find(words), std::string::npos) << refutation(wrong);
 }
 
 // The value of the flow by LEMON's solver.
@@ -168,71 +145,45 @@ TEST(cut_of, a_narrow_door_is_a_bottleneck_with_its_pivot_pair) {
   EXPECT_EQ(cut.sides, (std::vector<uint64_t>{0, 0, 1, 1}));
 }
 
-TEST(cut_of, a_wide_door_is_none) {
-  const DimacsFile f = two_rooms(300);
-  const CutFile cut = cut_of(f, 8, {}).file;
-  EXPECT_FALSE(cut.bottleneck);
-  EXPECT_EQ(
-      cut.reason,
-      "0.23 of the smaller side's light crosses the cut, more than 0.12: the opening is wide");
+// A wide door, a side almost without surface, and a door that is shut.
+TEST(cut_of, what_is_no_bottleneck_has_a_reason) {
+  for (const auto& [door, area, words] : std::vector<std::tuple<int64_t, double, const char*>>{
+           {300, 50, "0.23 of the smaller side's light crosses the cut, more than 0.12"},
+           {5, 0.5, "1.0 % of the surface and 1.5 % of the exchanged light, less than 3.0 %"},
+           {0, 50, "no light was found to reach the camera's room"}}) {
+    const CutFile cut = cut_of(two_rooms(door, area), 8, {}).file;
+    EXPECT_FALSE(cut.bottleneck);
+    EXPECT_NE(cut.reason.find(words), std::string::npos) << cut.reason;
+  }
 }
 
-TEST(cut_of, a_side_almost_without_surface_is_none) {
-  const DimacsFile f = two_rooms(5, 0.5);
-  const CutFile cut = cut_of(f, 8, {}).file;
-  EXPECT_FALSE(cut.bottleneck);
-  EXPECT_EQ(
-      cut.reason,
-      "the light's side of the cut has 1.0 % of the surface and 1.5 % of the exchanged light, less "
-      "than 3.0 %: light and camera share one open space");
-}
-
-TEST(cut_of, a_closed_door_is_none) {
-  const DimacsFile f = two_rooms(0);
-  const CutFile cut = cut_of(f, 8, {}).file;
-  EXPECT_FALSE(cut.bottleneck);
-  EXPECT_EQ(
-      cut.reason,
-      "no light was found to reach the camera's room: is its door shut? A very small opening may "
-      "have been missed");
-}
-
-// Two rooms joined by a door, and a camera in each; the lamp is in the first room, or both are lit.
-DimacsFile camera_in_each_room(bool both_lit) {
+// Two rooms joined by a door, and a camera in each; the lamp is in the first room.
+DimacsFile camera_in_each_room() {
   DimacsFile f = two_rooms(20);
   f.cameras = {"0 0 0 0 0 -1 0 1 0 0.9 1.5 all far", "1 0 0 0 0 -1 0 1 0 0.9 1.5 all near"};
   f.network.nodes = 7;
   f.more_sinks = {6};
   for (const uint32_t node : {2, 3}) f.network.arcs.push_back({node, 6, 900});
-  if (both_lit)
-    for (const uint32_t node : {4, 5}) f.network.arcs.push_back({f.network.source, node, 1800});
   return f;
 }
 
-// As one sink of both cameras the network has no door: light and camera share the first room.
-TEST(cut_of, a_camera_beside_the_lamp_takes_no_door_from_another) {
-  const FoundCuts found = cut_of(camera_in_each_room(false), 8, {});
-  EXPECT_TRUE(found.file.bottleneck);
-  ASSERT_EQ(found.file.cuts.size(), 1u);
-  EXPECT_EQ(found.file.cuts[0].camera, 0u);
-  EXPECT_EQ(found.file.sides, (std::vector<uint64_t>{0, 0, 1, 1}));
-  EXPECT_EQ(found.cameras[0].reason, "");
-  EXPECT_NE(found.cameras[1].reason, "");
-}
-
-// A third camera beside the first: each has a cut of its own through the same door.
+// As one sink of both cameras the network has no door: light and camera share the first room. A
+// third camera beside the first has a cut of its own through the same door.
 TEST(cut_of, each_camera_has_its_own_cuts) {
-  DimacsFile f = camera_in_each_room(false);
+  DimacsFile f = camera_in_each_room();
   f.cameras.push_back("2 0 0 0 0 -1 0 1 0 0.9 1.5 all far too");
   f.network.nodes = 8;
   f.more_sinks.push_back(7);
   f.network.arcs.push_back({4, 7, 700});
   f.network.arcs.push_back({5, 7, 900});
   const FoundCuts found = cut_of(f, 8, {});
+  EXPECT_TRUE(found.file.bottleneck);
   ASSERT_EQ(found.file.cuts.size(), 2u);
   EXPECT_EQ(found.file.cuts[0].camera, 0u);
   EXPECT_EQ(found.file.cuts[1].camera, 2u);
   EXPECT_EQ(found.file.sides, (std::vector<uint64_t>{0, 0, 3, 3}));
+  EXPECT_EQ(found.cameras[0].reason, "");
+  EXPECT_NE(found.cameras[1].reason, "");
 }
 
 // More cameras than a file has room for: as many have their door.
@@ -247,13 +198,6 @@ TEST(cut_of, a_file_holds_no_more_cuts_than_it_has_sides_for) {
   const FoundCuts found = cut_of(f, 8, {});
   EXPECT_EQ(found.file.cuts.size(), kMostCuts);
   EXPECT_EQ(found.facts.size(), kMostCuts);
-}
-
-TEST(plain_cut, names_value_sides_and_arcs) {
-  DimacsFile f;
-  f.network = {3, 0, 1, {{0, 2, 5}, {2, 1, 3}}};
-  EXPECT_EQ(plain_cut_text(f, max_flow(f.network), {}),
-            "c tdpt cut 4\ns 3\nn 1 s\nn 2 t\nn 3 s\na 3 2 3\ne 3 1\n");
 }
 
 }  // namespace tdpt::mincut_test

@@ -7,7 +7,7 @@
 
 #include "libcommon/math/rng.h"
 #include "tools/portalfit/opening.h"
-#include "tools/portalfit/testing/bundle.h"
+#include "tools/portalfit/testing/openings.h"
 
 namespace tdpt::neighbours_test {
 
@@ -49,15 +49,12 @@ TEST(Joining, PanesOfABayAreNotFlat) {
 // Panes 1 m x 1 m side by side, `gap` between them, in a wall across z; lines through both. Returns
 // the number after joining.
 size_t left_of_two(double gap) {
+  const testing::Opening first{{0, 0, 0}, {0.5, 0, 0}, {0, 0.5, 0}, {0, 0, 1}, 0, 0.5};
+  testing::Opening second = first;
+  second.middle.x = 1 + gap;
   LightGrid g;
+  g.lines = testing::lines_through({first, second}, 4000);
   std::vector<Aperture> panes{pane(0), pane(1 + gap)};
-  for (uint64_t i = 0; i < 4000; ++i) {
-    Rng rng(13, 1, i);
-    const double x = rng.uniform() - 0.5 + (i % 2 == 0 ? 0 : 1 + gap), y = rng.uniform() - 0.5;
-    const double u = rng.uniform(), v = rng.uniform();
-    const Vec3d w = cosine_hemisphere(u, v), p{x, y, 0};
-    g.lines.push_back({p - w * 2, p + w * 2});
-  }
   const Bundle all = testing::all_of(g);
   for (Aperture& a : panes) a.lines = lines_across(all, a);
   return joined_in_planes(empty_grid(), all, panes, 8).size();

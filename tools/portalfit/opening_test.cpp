@@ -6,8 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "libcommon/math/rng.h"
-#include "tools/portalfit/testing/tube_lines.h"
+#include "tools/portalfit/testing/openings.h"
 
 namespace tdpt::opening_test {
 
@@ -15,7 +14,7 @@ constexpr double kDegrees = 180 / std::numbers::pi;
 
 // Form factor of two equal facing rectangles by Monte Carlo.
 double facing_by_chance(double a, double b, double c) {
-  constexpr int kRays = 200000;
+  constexpr int kRays = 50000;
   int hits = 0;
   for (int i = 0; i < kRays; ++i) {
     Rng rng(1, 2, static_cast<uint64_t>(i));
@@ -36,7 +35,7 @@ TEST(Tube, FacingRectanglesSeeEachOther) {
   EXPECT_NEAR(facing_rectangles(1, 2, 5000) * std::numbers::pi * 5000 * 5000, 2, 1e-3);
   EXPECT_NEAR(facing_rectangles(0.03, 1.4, 0.2), facing_by_chance(0.03, 1.4, 0.2), 0.003);
   // Twin: another distance is detected.
-  EXPECT_GT(std::abs(facing_rectangles(0.03, 1.4, 0.22) - facing_by_chance(0.03, 1.4, 0.2)), 0.005);
+  EXPECT_GT(std::abs(facing_rectangles(0.03, 1.4, 0.25) - facing_by_chance(0.03, 1.4, 0.2)), 0.006);
 }
 
 double degrees_from_x(const Tube& tube) {
@@ -87,17 +86,8 @@ TEST(Tube, ARoomAsWideAsItsOpeningIsNoOpening) {
 }
 
 // A strip 1 x 0.1 in the plane across z; lines that lean towards -y are rare.
-std::vector<LightLine> leaning_lines(size_t n) {
-  std::vector<LightLine> lines;
-  for (uint64_t i = 0; lines.size() < n; ++i) {
-    Rng rng(5, 6, i);
-    const double x = rng.uniform() - 0.5, y = 0.1 * (rng.uniform() - 0.5);
-    const double u = rng.uniform(), v = rng.uniform(), keep = rng.uniform();
-    const Vec3d d = cosine_hemisphere(u, v), at{x, y, 0};
-    if (d.y < 0 && keep > 0.03) continue;
-    lines.push_back({at - d, at + d});
-  }
-  return lines;
+std::vector<LightLine> leaning_lines() {
+  return testing::lines_through({{{}, {0, 0.05, 0}, {0.5, 0, 0}, {0, 0, 1}}}, 400, {1, 0.97, 0}, 5);
 }
 
 double degrees_from_z(const Tube& tube) {
@@ -105,7 +95,7 @@ double degrees_from_z(const Tube& tube) {
 }
 
 TEST(Tube, LightThatLeansDoesNotTiltThePlaneOfKnownLines) {
-  const auto lines = leaning_lines(400);
+  const auto lines = leaning_lines();
   const Tube start{{{0, 0, 0.002}, normalize(Vec3d{0.02, 0.1, 1})}, 0};
   EXPECT_LT(degrees_from_z(holding_plane(lines, start)), 2.5);
   // Twin: by area alone it leans with the light.
@@ -115,7 +105,7 @@ TEST(Tube, LightThatLeansDoesNotTiltThePlaneOfKnownLines) {
 // Light that leans tilts the plane; the wall that it lies in does not lean.
 TEST(Tube, LiesInAWallThatFacesNearlyAsItDoes) {
   const std::vector<Vec3d> walls{{1, 0, 0}, {0, 0, -1}};
-  const auto lines = leaning_lines(400);
+  const auto lines = leaning_lines();
   const Tube tilted = least_tube(lines, {{{0, 0, 0.002}, normalize(Vec3d{0.02, 0.1, 1})}, 0}, true);
   EXPECT_GT(degrees_from_z(tilted), 3);
   const Tube in_wall = turned_into_wall(lines, tilted, walls);

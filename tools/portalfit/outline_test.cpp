@@ -7,8 +7,7 @@
 
 #include "tools/portalfit/opening.h"
 #include "tools/portalfit/portalfit.h"
-#include "tools/portalfit/testing/bundle.h"
-#include "tools/portalfit/testing/windows.h"
+#include "tools/portalfit/testing/openings.h"
 
 namespace tdpt::outline_test {
 
@@ -82,54 +81,36 @@ TEST(Edge, OfAWindowGoesOnOutsideTheGrid) {
 
 // Windows in several walls: openings told apart by the directions of their light.
 
-using testing::all_of;
-using testing::RoomWithWindows;
-using testing::Window;
+using testing::Opening;
 
 // 1 x 1 m, in the wall x = 0 and in the wall y = 0; their near edges 0.3 m from the corner.
-const Window kOne{{0, -0.8, 0}, {0, 0.5, 0}, {0, 0, 0.5}, {-1, 0, 0}};
-const Window kOther{{-0.8, 0, 0}, {0.5, 0, 0}, {0, 0, 0.5}, {0, -1, 0}};
-// In the wall x = -3, opposite the first.
+const Opening kOne{{0, -0.8, 0}, {0, 0.5, 0}, {0, 0, 0.5}, {-1, 0, 0}, 0, 0.5};
+const Opening kOther{{-0.8, 0, 0}, {0.5, 0, 0}, {0, 0, 0.5}, {0, -1, 0}, 0, 0.5};
 
-Aperture rectangle(const LightGrid& grid, const Window& w) {
+Aperture rectangle(const LightGrid& grid, const Opening& w) {
   Aperture a;
   a.tube.middle = {w.middle, w.n};
   a.tube.half = 0.5 * grid.voxel;
   for (const Vec3d& p : {-w.u - w.v, w.u - w.v, w.u + w.v, w.v - w.u})
     a.polygon.push_back(in_plane(a.tube.middle, w.middle + p));
   a.polygon = convex_hull(a.polygon);
-  a.lines = lines_across(all_of(grid), a);
+  a.lines = lines_across(testing::all_of(grid), a);
   return a;
 }
 
-// A plane across the corner, before both windows.
-Window diagonal() {
-  const double c = std::sqrt(0.5);
-  return {{-0.65, -0.65, 0}, Vec3d{c, -c, 0} * 0.92, {0, 0, 1}, {-c, -c, 0}};
-}
-
-// Index of the window that an opening matches; -1: none.
-int window_of(const Aperture& a, const std::vector<Window>& windows) {
-  for (size_t k = 0; k < windows.size(); ++k)
-    if (dot(a.tube.middle.n, windows[k].n) > std::cos(0.06) &&
-        std::abs(dot(a.tube.middle.o - windows[k].middle, windows[k].n)) < 0.1 &&
-        std::abs(area(a.polygon) - 1) < 0.12)
-      return static_cast<int>(k);
-  return -1;
-}
-
+// A plane across the corner, before both windows, lies in the open; twin: a window does not.
 TEST(Directions, PartThePlaneBeforeTwoWindowsAtACorner) {
-  const RoomWithWindows room{{kOne, kOther}};
-  const LightGrid grid = room.light(6000, 0);
-  const auto part = part_of_directions(grid, all_of(grid), rectangle(grid, diagonal()));
+  const LightGrid grid = testing::grid_of(testing::lines_through({kOne, kOther}, 3000));
+  const double c = std::sqrt(0.5);
+  const Opening across{{-0.65, -0.65, 0}, Vec3d{c, -c, 0} * 0.92, {0, 0, 1}, {-c, -c, 0}};
+  const auto part = part_of_directions(grid, testing::all_of(grid), rectangle(grid, across));
   ASSERT_TRUE(part);
-  EXPECT_GE(window_of(*part, room.windows), 0);
-}
-
-// Twin: a window is no such plane.
-TEST(Directions, PartNoWindow) {
-  const LightGrid grid = RoomWithWindows{{kOne, kOther}}.light(6000, 0);
-  EXPECT_FALSE(part_of_directions(grid, all_of(grid), rectangle(grid, kOne)));
+  const Plane& found = part->tube.middle;
+  const Opening& of = found.n.x < -0.5 ? kOne : kOther;
+  EXPECT_GT(dot(found.n, of.n), std::cos(0.06));
+  EXPECT_NEAR(dot(found.o - of.middle, of.n), 0, 0.1);
+  EXPECT_NEAR(area(part->polygon), 1, 0.12);
+  EXPECT_FALSE(part_of_directions(grid, testing::all_of(grid), rectangle(grid, kOne)));
 }
 
 }  // namespace tdpt::outline_test

@@ -1,99 +1,25 @@
-// Generates light grids of rooms with known openings: points uniform on the openings, cosine
-// directions, lines that run to the far walls and are dropped if a jamb blocks them.
+// Light grids of rooms with known openings.
 #include "tools/portalfit/portalfit.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <tuple>
 
 #include <gtest/gtest.h>
 
-#include "libcommon/math/rng.h"
+#include "tools/portalfit/testing/openings.h"
 
 namespace tdpt::portalfit_test {
 
+using testing::grid_of;
+using testing::Light;
+using testing::lines_through;
+using testing::Opening;
+
 constexpr double kDegrees = 180 / std::numbers::pi;
 
-// A rectangular opening in a wall: centre (in the middle of the wall), half axes u and v, direction
-// of the light, thickness of the wall.
-struct Opening {
-  Vec3d middle, u, v, n;
-  double thickness = 0;
-  double share = 1;  // of the lines
-  bool holds(const Vec3d& p) const {
-    const Vec3d d = p - middle;
-    return std::abs(dot(d, u)) <= dot(u, u) && std::abs(dot(d, v)) <= dot(v, v);
-  }
-  double area() const { return 4 * length(u) * length(v); }
-};
-
-// The point of line a-b in the opening's plane, shifted by `shift` along n.
-Vec3d at_plane(const Opening& o, double shift, const Vec3d& a, const Vec3d& b) {
-  const double t = (dot(o.middle - a, o.n) + shift) / dot(b - a, o.n);
-  return a + (b - a) * t;
-}
-
-struct Light {
-  double reach = 2;   // length of a line on either side of the opening
-  double lean = 0;    // the light comes from one side: directions leaning towards +u
-  double strays = 0;  // share of lines at random in the whole box
-};
-
-std::vector<LightLine> lines_through(const std::vector<Opening>& openings, size_t n,
-                                     const Light& light, uint64_t seed) {
-  std::vector<LightLine> lines;
-  for (uint64_t i = 0; lines.size() < n; ++i) {
-    Rng rng(seed, 1, i);
-    double pick = rng.uniform();
-    const double stray = rng.uniform(), a = rng.uniform(), b = rng.uniform();
-    const double c = rng.uniform(), d = rng.uniform(), e = rng.uniform(), f = rng.uniform();
-    size_t k = 0;
-    while (k + 1 < openings.size() && pick >= openings[k].share) pick -= openings[k++].share;
-    const Opening& o = openings[k];
-    if (stray < light.strays) {
-      const Onb<double> frame(o.n);
-      const auto place = [&](double x, double y, double z) {
-        return o.middle + frame.to_world(Vec3d{x, y, z} * (2 * light.reach) - Vec3d(light.reach));
-      };
-      lines.push_back({place(a, b, c), place(d, e, f)});
-      continue;
-    }
-    const Vec3d p = o.middle + o.u * (2 * a - 1) + o.v * (2 * b - 1);
-    const Onb<double> frame(o.n);
-    Vec3d w = frame.to_world(cosine_hemisphere(c, d));
-    if (dot(w, normalize(o.u)) * light.lean < 0 && e < std::abs(light.lean)) continue;
-    const LightLine line{p - w * light.reach, p + w * light.reach};
-    if (!o.holds(at_plane(o, 0.5 * o.thickness, line.light, line.camera)) ||
-        !o.holds(at_plane(o, -0.5 * o.thickness, line.light, line.camera)))
-      continue;
-    lines.push_back(line);
-  }
-  return lines;
-}
-
-LightGrid grid_of(const std::vector<LightLine>& lines, int resolution = 64) {
-  LightGrid g;
-  Vec3d low(INFINITY), high(-INFINITY);
-  for (const LightLine& l : lines) {
-    low = min(low, min(l.light, l.camera));
-    high = max(high, max(l.light, l.camera));
-  }
-  g.voxel = max_component(high - low) / resolution;
-  g.origin = low;
-  for (int c = 0; c < 3; ++c)
-    g.dim[static_cast<size_t>(c)] =
-        std::max(1, static_cast<int>(std::ceil((high - low)[c] / g.voxel)));
-  const size_t n =
-      static_cast<size_t>(g.dim[0]) * static_cast<size_t>(g.dim[1]) * static_cast<size_t>(g.dim[2]);
-  g.count.assign(n, 0);
-  g.direction.assign(n, {});
-  for (const LightLine& l : lines)
-    walk_grid(g, l.light, l.camera, [&](size_t v, double) { ++g.count[v]; });
-  g.lines = lines;
-  return g;
-}
-
-// The same where all is air but the wall around the openings.
+// All is air but the wall around the openings.
 LightGrid in_a_wall(LightGrid grid, const std::vector<Opening>& openings) {
   grid.air.assign(grid.count.size(), 1);
   grid.air[0] = 0;  // there are walls somewhere
@@ -101,8 +27,9 @@ LightGrid in_a_wall(LightGrid grid, const std::vector<Opening>& openings) {
     const Vec3d at = centre_of(grid, v);
     const double off = openings.empty() ? grid.voxel : dot(at - openings[0].middle, openings[0].n);
     if (std::abs(off) < grid.voxel)
-      grid.air[v] = std::any_of(openings.begin(), openings.end(),
-                                [&](const Opening& o) { return o.holds(at); });
+      grid.air[v] = std::any_of(openings.begin(), openings.end(), [&](const Opening& o) {
+        return o.passes({at - o.n, at + o.n}, 0);
+      });
   }
   return grid;
 }
@@ -135,10 +62,10 @@ bool crosses(const Portal& portal, const LightLine& line) {
   return false;
 }
 
-Score score(const Portal& portal, const Opening& opening, const Light& light) {
+Score score(const Portal& portal, const Opening& opening, const Light& light = {}) {
   Light clean = light;
   clean.strays = 0;
-  const auto fresh = lines_through({opening}, 4000, clean, 999);
+  const auto fresh = lines_through({opening}, 2000, clean, 999);
   Score s;
   double through = 0;
   for (const LightLine& line : fresh) through += crosses(portal, line);
@@ -153,59 +80,45 @@ Opening hole(double half = 0.25, double thickness = 0.1) {
   return {{1, 2, 3}, {0, half, 0}, {0, 0, half}, {1, 0, 0}, thickness, 1};
 }
 
-void expect_good(const LightGrid& grid, const Opening& opening, const Light& light,
-                 double most_degrees = 3) {
-  const FitResult fit = fit_portals(grid, {});
-  ASSERT_EQ(fit.portals.size(), 1u);
-  const Score s = score(fit.portals[0], opening, light);
-  EXPECT_GT(s.coverage, 0.98);
-  EXPECT_GT(s.tightness, 0.9);
-  EXPECT_LT(s.angle, most_degrees);
-  EXPECT_LE(fit.portals[0].vertices.size(), 12u);
-  EXPECT_NEAR(fit.portals[0].figures.at("area"), length(area_vector(fit.portals[0])), 1e-9);
-}
+struct Case {
+  const char* name;
+  Opening opening = hole();
+  Light light{};
+  int resolution = 64;
+  double most_degrees = 3;
+  size_t lines = 4000;
+};
 
-TEST(PortalFit, FindsAHole) {
-  const Light light;
-  expect_good(grid_of(lines_through({hole()}, 8000, light, 1)), hole(), light);
-}
-
-TEST(PortalFit, StandsInTheMiddleOfAThickWall) {
-  const Light light;
-  const Opening o = hole(0.25, 0.5);
-  const FitResult fit = fit_portals(grid_of(lines_through({o}, 8000, light, 1)), {});
-  ASSERT_EQ(fit.portals.size(), 1u);
-  for (const Vec3d& v : fit.portals[0].vertices) EXPECT_NEAR(v.x, 1, 0.05);
-  EXPECT_GT(score(fit.portals[0], o, light).coverage, 0.95);
-}
-
-TEST(PortalFit, FindsASlitThinnerThanAVoxel) {
-  const Light light;
-  const Opening o{{0, 0, 0}, {0, 0.01, 0}, {0, 0, 0.5}, {1, 0, 0}, 0.01, 1};
-  expect_good(grid_of(lines_through({o}, 8000, light, 1), 48), o, light, 5);
-}
-
-// Only the lines locate the opening.
-TEST(PortalFit, AGridOfOneVoxelIsEnough) {
-  const Light light;
-  LightGrid grid = grid_of(lines_through({hole()}, 8000, light, 1), 1);
-  EXPECT_EQ(grid.count.size(), 1u);
-  expect_good(grid, hole(), light, 6);
-}
-
-TEST(PortalFit, IsNotMisledByLightFromOneSide) {
-  Light light;
-  light.lean = 0.9;
-  expect_good(grid_of(lines_through({hole()}, 8000, light, 1)), hole(), light);
-  // The mean direction alone would be far off; the waist corrects it.
-  const FitResult fit = fit_portals(grid_of(lines_through({hole()}, 8000, light, 1)), {});
-  EXPECT_GT(fit.portals.at(0).figures.at("direction_angle"), 10);
-}
-
-TEST(PortalFit, IsRobustToStrays) {
-  Light light;
-  light.strays = 0.03;
-  expect_good(grid_of(lines_through({hole()}, 8000, light, 1)), hole(), light);
+TEST(PortalFit, FindsAnOpening) {
+  const Vec3d n = normalize(Vec3d{0.3, -0.8, 0.5});
+  const Onb<double> frame(n);
+  const Opening turned{{100, -200, 50}, frame.x * 30.0, frame.y * 12.0, n, 3};
+  const Opening slit{{0, 0, 0}, {0, 0.01, 0}, {0, 0, 0.5}, {1, 0, 0}, 0.01};
+  for (const Case& c : std::vector<Case>{{"a hole"},
+                                         {"few lines", hole(), {}, 64, 6, 400},
+                                         {"in a thick wall", hole(0.25, 0.5)},
+                                         {"a slit thinner than a voxel", slit, {}, 48, 5},
+                                         {"a grid of one voxel", hole(), {}, 1, 6},
+                                         {"light from one side", hole(), {2, 0.9, 0}},
+                                         {"strays", hole(), {2, 0, 0.03}},
+                                         {"turned, of another size", turned, {200, 0, 0}}}) {
+    SCOPED_TRACE(c.name);
+    const FitResult fit =
+        fit_portals(grid_of(lines_through({c.opening}, c.lines, c.light), c.resolution), {});
+    ASSERT_EQ(fit.portals.size(), 1u);
+    const Portal& portal = fit.portals[0];
+    const Score s = score(portal, c.opening, c.light);
+    EXPECT_GT(s.coverage, c.lines < 4000 ? 0.9 : 0.97);
+    EXPECT_GT(s.tightness, 0.9);
+    EXPECT_LT(s.angle, c.most_degrees);
+    EXPECT_LE(portal.vertices.size(), 12u);
+    EXPECT_NEAR(portal.figures.at("area") / length(area_vector(portal)), 1, 1e-9);
+    const Opening& o = c.opening;
+    for (const Vec3d& v : portal.vertices)  // in the middle of its wall
+      EXPECT_NEAR(dot(v - o.middle, o.n), 0, 0.2 * std::max(length(o.u), length(o.v)));
+    // The mean direction alone would be far off; the waist corrects it.
+    EXPECT_EQ(portal.figures.at("direction_angle") > 10, c.light.lean > 0);
+  }
 }
 
 // Cuts of two cameras, "hall" and "yard": `through` holds the openings that the light of each cut
@@ -213,10 +126,8 @@ TEST(PortalFit, IsRobustToStrays) {
 LightGrid grid_of_cameras(const std::vector<std::vector<Opening>>& through) {
   std::vector<LightLine> lines;
   for (uint32_t cut = 0; cut < through.size(); ++cut)
-    for (LightLine line : lines_through(through[cut], 8000, {}, 1 + cut)) {
-      line.cut = cut;
+    for (const LightLine& line : lines_through(through[cut], 4000, {}, 1 + cut, cut))
       lines.push_back(line);
-    }
   LightGrid grid = grid_of(lines);
   grid.cameras = {"0 0 0 0 0 -1 0 1 0 0.9 1.5 all hall", "1 0 0 0 0 -1 0 1 0 0.9 1.5 all yard"};
   grid.cuts = {{0.01, 1, 0}, {0.01, 1, 1}};
@@ -262,21 +173,20 @@ TEST(PortalFit, FindsTwoWindows) {
   b.middle.z += 0.8;
   b.middle.y += 0.1;
   a.share = 0.7;
-  const Light light;
-  const FitResult fit = fit_portals(grid_of(lines_through({a, b}, 10000, light, 1)), {});
+  const LightGrid grid = grid_of(lines_through({a, b}, 4000));
+  const FitResult fit = fit_portals(grid, {});
   ASSERT_EQ(fit.portals.size(), 2u);
-  EXPECT_GT(score(fit.portals[0], a, light).coverage, 0.98);
-  EXPECT_GT(score(fit.portals[1], b, light).coverage, 0.95);
-  EXPECT_GT(score(fit.portals[1], b, light).tightness, 0.85);
+  EXPECT_GT(score(fit.portals[0], a).coverage, 0.98);
+  EXPECT_GT(score(fit.portals[1], b).coverage, 0.95);
+  EXPECT_GT(score(fit.portals[1], b).tightness, 0.85);
   EXPECT_NEAR(fit.portals[0].figures.at("flux_share"), 0.7, 0.05);
   EXPECT_GT(fit.explained, 0.97);
   PortalFitOptions one;
   one.max_portals = 1;
-  EXPECT_EQ(fit_portals(grid_of(lines_through({a, b}, 10000, light, 1)), one).portals.size(), 1u);
+  EXPECT_EQ(fit_portals(grid, one).portals.size(), 1u);
   PortalFitOptions strong;
   strong.threshold = 0.5;
-  EXPECT_EQ(fit_portals(grid_of(lines_through({a, b}, 10000, light, 1)), strong).portals.size(),
-            1u);
+  EXPECT_EQ(fit_portals(grid, strong).portals.size(), 1u);
 }
 
 // Lines of a second cut through an opening turned by 35 degrees that stands beside the first one
@@ -288,11 +198,8 @@ LightGrid grid_of_two_cuts(double aside) {
   second.n = first.n * std::cos(turn) + normalize(first.u) * std::sin(turn);
   second.u = normalize(cross(first.v, second.n)) * length(first.u);
   second.middle += first.n * 0.1 + normalize(first.u) * aside;
-  std::vector<LightLine> lines = lines_through({first}, 6000, {}, 1);
-  for (LightLine line : lines_through({second}, 6000, {}, 2)) {
-    line.cut = 1;
-    lines.push_back(line);
-  }
+  std::vector<LightLine> lines = lines_through({first}, 3000);
+  for (const LightLine& line : lines_through({second}, 3000, {}, 2, 1)) lines.push_back(line);
   return grid_of(lines);
 }
 
@@ -303,7 +210,6 @@ TEST(PortalFit, WhatTwoCutsFindInOnePlaceIsOnePortal) {
 
 // Two large holes and 23 small ones: portals that carry next to nothing do not hide the others.
 TEST(PortalFit, WhatCarriesLittleHidesNoOther) {
-  const Light light;
   std::vector<Opening> holes;
   for (int i = 0; i < 5; ++i)
     for (int j = 0; j < 5; ++j) {
@@ -316,10 +222,9 @@ TEST(PortalFit, WhatCarriesLittleHidesNoOther) {
     }
   PortalFitOptions options;
   options.threshold = 0.05;
-  const FitResult fit = fit_portals(grid_of(lines_through(holes, 8000, light, 1)), options);
+  const FitResult fit = fit_portals(grid_of(lines_through(holes, 8000)), options);
   ASSERT_EQ(fit.portals.size(), 2u);
-  EXPECT_GT(score(fit.portals[0], holes[0], light).coverage +
-                score(fit.portals[0], holes[1], light).coverage,
+  EXPECT_GT(score(fit.portals[0], holes[0]).coverage + score(fit.portals[0], holes[1]).coverage,
             0.95);
   ASSERT_FALSE(fit.refused.empty());
   EXPECT_NE(fit.refused.back().why.find(" of the light crosses "), std::string::npos)
@@ -340,29 +245,21 @@ std::vector<Opening> row_of_panes(int n, double wide, double step) {
   return panes;
 }
 
-void expect_one_window(const FitResult& fit, const std::vector<Opening>& panes, double whole) {
-  ASSERT_EQ(fit.portals.size(), 1u);
-  for (const Opening& pane : panes) EXPECT_GT(score(fit.portals[0], pane, {}).coverage, 0.97);
-  EXPECT_NEAR(fit.portals[0].figures.at("area"), whole, 0.05 * whole);
-  EXPECT_LT(score(fit.portals[0], panes[0], {}).angle, 3);
-}
-
+// Panes and blinds are one window; twin: windows with a wall between them are not joined.
 TEST(PortalFit, PanesAreOneWindow) {
-  const auto panes = row_of_panes(4, 0.3, 0.34);
-  expect_one_window(fit_portals(grid_of(lines_through(panes, 8000, {}, 1)), {}), panes, 1.32);
-}
-
-TEST(PortalFit, BlindsAreOneWindow) {
-  const auto gaps = row_of_panes(30, 0.02, 0.04);
-  expect_one_window(fit_portals(grid_of(lines_through(gaps, 8000, {}, 1)), {}), gaps, 1.18);
-}
-
-// Twin: windows with a wall between them are not joined.
-TEST(PortalFit, WindowsInARowStayApart) {
-  const auto windows = row_of_panes(4, 0.3, 0.5);
-  const FitResult fit = fit_portals(grid_of(lines_through(windows, 8000, {}, 1)), {});
-  ASSERT_EQ(fit.portals.size(), 4u);
-  for (const Portal& portal : fit.portals) EXPECT_NEAR(portal.figures.at("area"), 0.3, 0.03);
+  for (const auto& [n, wide, step, whole] : std::vector<std::tuple<int, double, double, double>>{
+           {4, 0.3, 0.34, 1.32}, {30, 0.02, 0.04, 1.18}}) {
+    const auto panes = row_of_panes(n, wide, step);
+    const FitResult fit = fit_portals(grid_of(lines_through(panes, 4000)), {});
+    ASSERT_EQ(fit.portals.size(), 1u);
+    for (const size_t i : {size_t{0}, panes.size() / 2})
+      EXPECT_GT(score(fit.portals[0], panes[i]).coverage, 0.97);
+    EXPECT_NEAR(fit.portals[0].figures.at("area"), whole, 0.05 * whole);
+    EXPECT_LT(score(fit.portals[0], panes[0]).angle, 3);
+  }
+  const FitResult apart = fit_portals(grid_of(lines_through(row_of_panes(4, 0.3, 0.5), 4000)), {});
+  ASSERT_EQ(apart.portals.size(), 4u);
+  for (const Portal& portal : apart.portals) EXPECT_NEAR(portal.figures.at("area"), 0.3, 0.03);
 }
 
 TEST(PortalFit, WindowsWithFewPerCentEachAreFound) {
@@ -370,8 +267,8 @@ TEST(PortalFit, WindowsWithFewPerCentEachAreFound) {
   Light light;
   light.strays = 0.6;
   light.reach = 3;
-  const auto lines = lines_through(windows, 8000, light, 1);
-  const FitResult fit = fit_portals(in_a_wall(grid_of(lines), windows), {});
+  const LightGrid grid = in_a_wall(grid_of(lines_through(windows, 5000, light)), windows);
+  const FitResult fit = fit_portals(grid, {});
   // Outliers scattered over the box do not make a seventh.
   ASSERT_EQ(fit.portals.size(), 6u);
   for (const Portal& portal : fit.portals) {
@@ -381,7 +278,7 @@ TEST(PortalFit, WindowsWithFewPerCentEachAreFound) {
   // Twin: with a higher threshold none is found.
   PortalFitOptions more;
   more.threshold = 0.1;
-  EXPECT_TRUE(fit_portals(in_a_wall(grid_of(lines), windows), more).portals.empty());
+  EXPECT_TRUE(fit_portals(grid, more).portals.empty());
 }
 
 // Unbounded lines: they scatter about a centre and about a direction.
@@ -414,7 +311,7 @@ TEST(PortalFit, ACrowdWithoutAWaistHidesNoOpening) {
         p = hole(0.5, 0.01).middle + Vec3d{1, 1, 1};
     crowd.push_back({p - w, p + w});
   }
-  lines = lines_through({hole(0.5, 0.01)}, 400, {}, 1);
+  lines = lines_through({hole(0.5, 0.01)}, 400);
   lines.insert(lines.end(), crowd.begin(), crowd.end());
   const FitResult fit = fit_portals(grid_of(lines), {});
   ASSERT_EQ(fit.portals.size(), 1u);
@@ -423,70 +320,27 @@ TEST(PortalFit, ACrowdWithoutAWaistHidesNoOpening) {
 }
 
 TEST(PortalFit, RefusesAPlaneInTheOpen) {
-  const FitResult fit = fit_portals(in_a_wall(grid_of(lines_in_the_open(8000)), {}), {});
+  const FitResult fit = fit_portals(in_a_wall(grid_of(lines_in_the_open(4000)), {}), {});
   EXPECT_TRUE(fit.portals.empty());
   ASSERT_FALSE(fit.refused.empty());
   EXPECT_NE(fit.refused[0].why.find(" m2 lies across a room: "), std::string::npos)
       << fit.refused[0].why;
 }
 
-TEST(PortalFit, MovesWithTheScene) {
-  const Light light;
-  const Vec3d n = normalize(Vec3d{0.3, -0.8, 0.5});
-  const Onb<double> frame(n);
-  const Opening o{{100, -200, 50}, frame.x * 30.0, frame.y * 12.0, n, 3, 1};
-  Light far = light;
-  far.reach = 200;
-  expect_good(grid_of(lines_through({o}, 8000, far, 1)), o, far);
-}
-
-TEST(PortalFit, FewLinesAreEnough) {
-  const Light light;
-  const Opening o = hole();
-  const FitResult fit = fit_portals(grid_of(lines_through({o}, 400, light, 1)), {});
-  ASSERT_EQ(fit.portals.size(), 1u);
-  const Score s = score(fit.portals[0], o, light);
-  EXPECT_GT(s.coverage, 0.9);
-  EXPECT_LT(s.angle, 6);
-}
-
-// Median angular error of a hole's portal over 21 seeds; 90 where there is none.
-double median_angle(size_t lines) {
-  std::vector<double> angles;
-  for (uint64_t seed = 1; seed <= 21; ++seed) {
-    const FitResult fit = fit_portals(grid_of(lines_through({hole()}, lines, {}, seed)), {});
-    angles.push_back(fit.portals.size() == 1 ? score(fit.portals[0], hole(), {}).angle : 90);
-  }
-  std::nth_element(angles.begin(), angles.begin() + 10, angles.end());
-  return angles[10];
-}
-
-// A single seed says little. With 400 lines the median is 2.9 degrees; a quarter of them is not
-// enough.
 // Depths of a portal's corners before a pane of 2 cm in the hole's middle that faces along `face`
 // [thicknesses of the pane]; it starts at 0 and ends at 1.
 std::vector<double> depths_before_glass(const Vec3d& face, bool told) {
-  Opening deep = hole();
-  deep.thickness = 0.2;
-  LightGrid grid = in_a_wall(grid_of(lines_through({deep}, 8000, {}, 1)), {deep});
+  const Opening deep = hole(0.25, 0.2);
+  LightGrid grid = in_a_wall(grid_of(lines_through({deep}, 4000)), {deep});
   const Vec3d front = deep.middle - face * 0.01 + deep.u;
   if (told) grid.panes = {{front, front + face * 0.02}};
   const FitResult fit = fit_portals(grid, {});
   EXPECT_EQ(fit.portals.size(), 1u);
-  EXPECT_GT(score(fit.portals[0], deep, {}).coverage, 0.97);
+  EXPECT_GT(score(fit.portals[0], deep).coverage, 0.97);
   std::vector<double> depths;
   for (const Vec3d& corner : fit.portals[0].vertices)
     depths.push_back(dot(corner - front, deep.n) / 0.02 * dot(deep.n, face));
   return depths;
-}
-
-// What a pane of 2 cm about the hole's middle that faces along `face` moves the portal by.
-Vec3d moved_by_glass(const Vec3d& face) {
-  const Opening o = hole();
-  LightGrid grid = in_a_wall(grid_of(lines_through({o}, 8000, {}, 1)), {o});
-  const Portal without = fit_portals(grid, {}).portals.at(0);
-  grid.panes = {{o.middle - face * 0.01, o.middle + face * 0.01}};
-  return fit_portals(grid, {}).portals.at(0).vertices[0] - without.vertices[0];
 }
 
 TEST(PortalFit, APortalStandsBeforeSolidGlass) {
@@ -497,18 +351,14 @@ TEST(PortalFit, APortalStandsBeforeSolidGlass) {
   EXPECT_LT(*std::min_element(untold.begin(), untold.end()), 1);
   EXPECT_GT(*std::max_element(untold.begin(), untold.end()), 0);
   // Glass in another wall, at right angles, moves nothing.
-  EXPECT_EQ(moved_by_glass(hole().u * 4), Vec3d{});
-  EXPECT_GT(length(moved_by_glass(hole().n)), 0.001);  // twin
-}
-
-TEST(PortalFit, FewLinesGiveAFewDegrees) {
-  EXPECT_LT(median_angle(400), 4);
-  EXPECT_GT(median_angle(100), 4);
+  LightGrid grid = in_a_wall(grid_of(lines_through({hole()}, 2000)), {hole()});
+  const Vec3d middle = hole().middle, without = fit_portals(grid, {}).portals.at(0).vertices[0];
+  grid.panes = {{middle - hole().u * 0.04, middle + hole().u * 0.04}};
+  EXPECT_EQ(fit_portals(grid, {}).portals.at(0).vertices[0], without);
 }
 
 TEST(PortalFit, RefusesWithoutSupport) {
-  const Light light;
-  LightGrid grid = grid_of(lines_through({hole()}, 4000, light, 1));
+  LightGrid grid = grid_of(lines_through({hole()}, 2000));
   for (const LightLine& line : grid.lines) grid.probes.push_back({line, true});
   const FitResult good = fit_portals(grid, {});
   ASSERT_EQ(good.portals.size(), 1u);
@@ -519,37 +369,30 @@ TEST(PortalFit, RefusesWithoutSupport) {
   ASSERT_FALSE(bad.refused.empty());
   EXPECT_NE(bad.refused[0].why.find("lies within one side"), std::string::npos);
   EXPECT_TRUE(bad.refused[0].why.ends_with(", less than 50 %"));
-}
-
-TEST(PortalFit, NoBottleneckGivesNoPortal) {
-  LightGrid grid;
-  grid.bottleneck = false;
-  EXPECT_TRUE(fit_portals(grid, {}).portals.empty());
-  EXPECT_TRUE(fit_portals(LightGrid{}, {}).portals.empty());
+  EXPECT_TRUE(fit_portals(LightGrid{}, {}).portals.empty());  // and without lines
 }
 
 // Score itself must detect faults: a portal turned, shifted or facing the other way.
 TEST(PortalScore, SeesWhatIsWrong) {
-  const Light light;
   const Opening o = hole();
   Portal p;
   const auto corner = [&](double u, double v) { return o.middle + o.u * u + o.v * v; };
   p.vertices = {corner(-1, -1), corner(1, -1), corner(1, 1), corner(-1, 1)};
   p.triangles = {{0, 1, 2}, {0, 2, 3}};
-  const Score good = score(p, o, light);
+  const Score good = score(p, o);
   EXPECT_EQ(good.coverage, 1);
   EXPECT_NEAR(good.tightness, 1, 1e-12);
   EXPECT_NEAR(good.angle, 0, 1e-6);
   Portal shifted = p;
   for (Vec3d& v : shifted.vertices) v.y += 0.15;
-  EXPECT_LT(score(shifted, o, light).coverage, 0.9);
+  EXPECT_LT(score(shifted, o).coverage, 0.9);
   Portal backwards = p;
   for (auto& t : backwards.triangles) std::swap(t[1], t[2]);
-  EXPECT_EQ(score(backwards, o, light).coverage, 0);
-  EXPECT_NEAR(score(backwards, o, light).angle, 180, 1e-6);
+  EXPECT_EQ(score(backwards, o).coverage, 0);
+  EXPECT_NEAR(score(backwards, o).angle, 180, 1e-6);
   Portal large = p;
   for (Vec3d& v : large.vertices) v = o.middle + (v - o.middle) * 1.5;
-  EXPECT_LT(score(large, o, light).tightness, 0.5);
+  EXPECT_LT(score(large, o).tightness, 0.5);
 }
 
 }  // namespace tdpt::portalfit_test

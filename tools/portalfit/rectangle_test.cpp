@@ -46,66 +46,43 @@ void expect_tight(const Portal& p, const Rectangle& r) {
 }
 
 TEST(Rectangle, AWindowKeepsItsWidthHeightAndNormal) {
-  // In a wall at x = 2; light goes to -x.
-  const Portal p = portal(box(-1, 0, 1, 1.5), {2, 1, 3}, {0, 0, 1}, {0, 1, 0});
-  const Rectangle r = rectangle_of(p);
-  expect_tight(p, r);
-  expect_near(r.centre, {2, 1.75, 3});
-  expect_near(r.normal, {-1, 0, 0});
-  expect_near(r.y, {0, 1, 0});
-  expect_near(r.x, {0, 0, 1});
-  EXPECT_NEAR(r.width, 2, 1e-12);
-  EXPECT_NEAR(r.height, 1.5, 1e-12);
+  // In a wall at x = 2; light goes to -x, or to +x where the triangles turn the other way.
+  for (const double way : {1.0, -1.0}) {
+    const Portal p = portal(box(-1, 0, 1, 1.5), {2, 1, 3}, {0, 0, way}, {0, 1, 0});
+    const Rectangle r = rectangle_of(p);
+    expect_tight(p, r);
+    expect_near(r.centre, {2, 1.75, 3});
+    expect_near(r.normal, {-way, 0, 0});
+    expect_near(r.y, {0, 1, 0});
+    expect_near(r.x, {0, 0, way});
+    EXPECT_NEAR(r.width, 2, 1e-12);
+    EXPECT_NEAR(r.height, 1.5, 1e-12);
+    const std::vector<Vec3d> c = r.corners();
+    ASSERT_EQ(c.size(), 4u);
+    expect_near(cross(c[1] - c[0], c[3] - c[0]), r.normal * (r.width * r.height));
+    expect_near(c[2] - c[1], c[3] - c[0]);
+  }
 }
 
-TEST(Rectangle, NormalIsThatOfTheTrianglesWhicheverWayTheyTurn) {
-  const Rectangle r = rectangle_of(portal(box(-1, 0, 1, 1.5), {2, 1, 3}, {0, 0, -1}, {0, 1, 0}));
-  expect_near(r.normal, {1, 0, 0});
-  expect_near(r.y, {0, 1, 0});
-  expect_near(r.x, {0, 0, -1});
-}
-
-TEST(Rectangle, FollowsATurnedWindow) {
+TEST(Rectangle, TheUprightSideIsTheHeight) {
   for (int i = 0; i < 24; ++i) {
     const double a = 2 * std::numbers::pi * i / 24;
     const Vec3d u{std::cos(a), std::sin(a), 0}, v{-std::sin(a), std::cos(a), 0};
     const Portal p = portal(box(-1, -0.25, 1, 0.25), {1, 1, 1}, u, v);
     const Rectangle r = rectangle_of(p);
     expect_tight(p, r);
-    expect_near(r.centre, {1, 1, 1});
     EXPECT_NEAR(r.width * r.height, 1, 1e-12);
-    EXPECT_GE(r.y.y, std::sqrt(0.5) - 1e-12) << "the upright side is y";
+    EXPECT_GE(r.y.y, std::sqrt(0.5) - 1e-12);
   }
-}
-
-TEST(Rectangle, ASkylightIsWiderThanHigh) {
-  for (const bool longer_x : {false, true}) {
-    const Portal p =
-        portal(longer_x ? box(0, 0, 3, 1) : box(0, 0, 1, 3), {0, 2.5, 0}, {1, 0, 0}, {0, 0, 1});
-    const Rectangle r = rectangle_of(p);
-    expect_tight(p, r);
+  for (const Polygon& skylight : {box(0, 0, 3, 1), box(0, 0, 1, 3)}) {  // wider than high
+    const Rectangle r = rectangle_of(portal(skylight, {0, 2.5, 0}, {1, 0, 0}, {0, 0, 1}));
     expect_near(r.normal, {0, -1, 0});
     EXPECT_NEAR(r.width, 3, 1e-12);
-    EXPECT_NEAR(r.height, 1, 1e-12);
   }
-}
-
-TEST(Rectangle, AnLShapeHasTheRectangleAroundIt) {
-  // Two boxes: 2 x 2 with a quarter missing.
-  Portal p = portal(box(0, 0, 2, 1), {0, 0, 0}, {1, 0, 0}, {0, 1, 0});
-  const Portal leg = portal(box(0, 1, 1, 2), {0, 0, 0}, {1, 0, 0}, {0, 1, 0});
-  for (const auto& t : leg.triangles) p.triangles.push_back({t[0] + 4, t[1] + 4, t[2] + 4});
-  p.vertices.insert(p.vertices.end(), leg.vertices.begin(), leg.vertices.end());
-  const Rectangle r = rectangle_of(p);
-  EXPECT_NEAR(area_of(p), 3, 1e-12);
-  expect_near(r.centre, {1, 1, 0});
-  expect_near(r.normal, {0, 0, 1});
-  EXPECT_NEAR(r.width, 2, 1e-12);
-  EXPECT_NEAR(r.height, 2, 1e-12);
 }
 
 TEST(Rectangle, NoOtherAroundAPolygonIsSmaller) {
-  for (uint64_t i = 0; i < 50; ++i) {
+  for (uint64_t i = 0; i < 20; ++i) {
     std::vector<Vec2d> points;
     for (uint64_t k = 0; k < 9; ++k) {
       Rng rng(7, i, k);
@@ -129,14 +106,6 @@ TEST(Rectangle, NoOtherAroundAPolygonIsSmaller) {
   }
 }
 
-TEST(Rectangle, CornersRunRoundTheNormal) {
-  const Rectangle r = rectangle_of(portal(box(-1, 0, 1, 1.5), {2, 1, 3}, {0, 0, 1}, {0, 1, 0}));
-  const std::vector<Vec3d> c = r.corners();
-  ASSERT_EQ(c.size(), 4u);
-  expect_near(cross(c[1] - c[0], c[3] - c[0]), r.normal * (r.width * r.height));
-  expect_near(c[2] - c[1], c[3] - c[0]);
-}
-
 Rectangle window(double x0, double y0, double x1, double y1, double z = 0) {
   return rectangle_of(portal(box(x0, y0, x1, y1), {0, 0, z}, {1, 0, 0}, {0, 1, 0}));
 }
@@ -148,13 +117,10 @@ TEST(Overlaps, WindowsThatShareAPlaceAreOne) {
   expect_near(joined[0].normal, {0, 0, 1});
   EXPECT_NEAR(joined[0].width, 2, 1e-12);
   EXPECT_NEAR(joined[0].height, 2, 1e-12);
-}
-
-TEST(Overlaps, OneMayReachAThird) {
   // The rectangle around the first and the last contains the second, which touched neither.
-  const auto joined =
+  const auto third =
       without_overlaps({window(0, 0, 3, 1), window(2, 2, 3, 3), window(0, 0.5, 1, 4)});
-  EXPECT_EQ(joined.size(), 1u);
+  EXPECT_EQ(third.size(), 1u);
 }
 
 TEST(Overlaps, NeighboursAndOtherWallsStay) {

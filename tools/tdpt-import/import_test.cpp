@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include <gtest/gtest.h>
 
@@ -23,14 +24,16 @@ std::string complaint(const F& f) {
 TEST(Source, ReadsBelowItsFolderOnly) {
   const testing::TempFolder folder;
   folder.write("above.txt", "secret");
-  folder.write("scene/models/a.txt", "a");
-  Source source(folder.write("scene/scene.xml", "<scene/>"));
+  folder.write("scene/models/a.txt",
+               "\xEF\xBB\xBF"
+               "a");  // after a byte order mark
+  Source source(folder.write("scene/scene.xml", "\xEF\xBB\xBF<scene/>"));
   const Place place{"scene.xml", "line 3"};
+  EXPECT_EQ(source.text(), "<scene/>");
   EXPECT_EQ(source.read("models/a.txt", place), "a");
   EXPECT_EQ(source.read("models\\a.txt", place), "a");  // as Windows writes it
-  EXPECT_EQ(complaint([&] { source.read("../above.txt", place); }),
-            "scene.xml:line 3: \"../above.txt\" is not a file in the scene's folder, which is all "
-            "that is read");
+  EXPECT_NE(complaint([&] { source.read("../above.txt", place); }).find("scene.xml:line 3: \"../"),
+            std::string::npos);
   std::filesystem::create_symlink(folder.path / "above.txt", folder.path / "scene/link.txt");
   EXPECT_NE(
       complaint([&] { source.read("link.txt", place); }).find("leads out of the scene's folder"),
@@ -40,22 +43,12 @@ TEST(Source, ReadsBelowItsFolderOnly) {
   EXPECT_EQ(source.files().size(), 2u);  // the scene and a.txt, once
 }
 
-TEST(Source, SkipsByteOrderMarks) {
-  const testing::TempFolder folder;
-  folder.write("a.obj", "\xEF\xBB\xBFv 0 0 0");
-  Source source(folder.write("scene.json", "\xEF\xBB\xBF{}"));
-  EXPECT_EQ(source.text(), "{}");
-  EXPECT_EQ(source.read("a.obj", {"scene.json", ""}), "v 0 0 0");
-}
-
 TEST(Source, GoesOnWithoutMissingFilesIfAllowed) {
   const testing::TempFolder folder;
   const std::string path = folder.write("scene.json", "{}");
   const Place place{"scene.json", "a"};
   Source strict(path), lenient(path, true);
-  EXPECT_EQ(complaint([&] { strict.read_picture("b.png", place); }),
-            "scene.json:a: \"b.png\" cannot be opened: No such file or directory "
-            "(--allow-missing goes on without it)");
+  EXPECT_NE(complaint([&] { strict.read_picture("b.png", place); }), "");
   EXPECT_NE(complaint([&] { strict.read_mesh("b.ply", place); }), "");
   EXPECT_FALSE(lenient.read_mesh("b.ply", place));
   const Texels grey = decode(lenient.read_picture("b.png", place), "b.png");
@@ -83,6 +76,10 @@ TEST(Source, NamesKeysThatNobodyTook) {
   EXPECT_EQ(source.losses()[0].sentence, "held");
   EXPECT_EQ(source.losses()[1].sentence, "in what was read");
   EXPECT_EQ(source.losses()[0].times, 1u);
+  source.lose({"scene.json", "again"}, "held");
+  ASSERT_EQ(source.losses().size(), 2u);
+  EXPECT_EQ(source.losses()[0].first.where, "");
+  EXPECT_EQ(source.losses()[0].times, 2u);
 }
 
 TEST(Source, SearchesFoldersOfItsOwn) {
@@ -96,19 +93,7 @@ TEST(Source, SearchesFoldersOfItsOwn) {
   source.search("..", place);
   source.search("/tmp", place);
   EXPECT_FALSE(source.has("outside.txt", place));
-  ASSERT_EQ(source.losses().size(), 2u);
-  EXPECT_EQ(source.losses()[0].sentence,
-            "the search path \"..\" leads out of the scene's folder and is not searched");
-}
-
-TEST(Source, CountsWhatIsLostAgain) {
-  const testing::TempFolder folder;
-  Source source(folder.write("scene.xml", ""));
-  source.lose({"scene.xml", "line 2"}, "fog");
-  source.lose({"scene.xml", "line 5"}, "fog");
-  ASSERT_EQ(source.losses().size(), 1u);
-  EXPECT_EQ(source.losses()[0].first.where, "line 2");
-  EXPECT_EQ(source.losses()[0].times, 2u);
+  EXPECT_EQ(source.losses().size(), 2u);
 }
 
 TEST(Materials, DiffuseFresnelOfGlass) {
@@ -166,22 +151,6 @@ TEST(Materials, BurleysBaseKeepsTheLightOfAUniformSky) {
             burley({Rgb(0.5f), {}, {}}, 1.5, {0.3f, {}, {}}, 0, 1).base.factor.x);
 }
 
-TEST(Materials, SpectraHaveTheColoursOfTheirNames) {
-  const Rgb even = rgb_of_spectrum({{400, 0.3}, {700, 0.3}});
-  EXPECT_NEAR(even.x, 0.3, 1e-4);
-  EXPECT_NEAR(even.y, 0.3, 1e-4);
-  EXPECT_NEAR(even.z, 0.3, 1e-4);
-  const Rgb red = rgb_of_spectrum({{400, 0}, {590, 0}, {600, 1}, {700, 1}});
-  EXPECT_GT(red.x, 5 * red.y);
-  const Rgb warm = rgb_of_blackbody(2856), cold = rgb_of_blackbody(10000);
-  EXPECT_GT(warm.x, warm.z);
-  EXPECT_GT(cold.z, cold.x);
-  EXPECT_NEAR(luminance(warm), 1, 2e-3);
-  const Rgb d65 = rgb_of_xyz({0.95047f, 1.0f, 1.08883f});
-  EXPECT_NEAR(d65.x, 1, 1e-3);
-  EXPECT_NEAR(d65.z, 1, 1e-3);
-}
-
 std::string pfm(const std::string& head, std::initializer_list<float> values) {
   std::string bytes = head;
   for (const float v : values) bytes.append(reinterpret_cast<const char*>(&v), 4);
@@ -197,40 +166,29 @@ TEST(Images, PfmRowsGoUpwards) {
   EXPECT_TRUE(std::isnan(decode(pfm("Pf\n1 1\n-1\n", {NAN}), "a.pfm").rgb.at(0).y));
 }
 
-TEST(Images, ErrorsAreOneLine) {
-  EXPECT_EQ(complaint([] { decode("PF\n2 2\n-1\n123", "a.pfm"); }), "a.pfm: the PFM is cut short");
-  EXPECT_EQ(complaint([] { decode("PF\nx 2\n-1\n", "a.pfm"); }),
-            "a.pfm: the header of the PFM is damaged");
-  EXPECT_EQ(complaint([] { decode("PF\n99999 2\n-1\n", "a.pfm"); }),
-            "a.pfm: is 99999 x 2 texels, expected 1 to 16384 a side");
-  EXPECT_EQ(complaint([] { decode("abc", "a.png"); }), "a.png: is no picture");
-  EXPECT_EQ(complaint([] { decode("", "a.hdr"); }), "a.hdr: is empty, expected a picture");
-  EXPECT_NE(
-      complaint([] { decode("something else", "a.png"); }).find("is no picture that can be read"),
-      std::string::npos);
-  EXPECT_NE(complaint([] { decode("\x89PNG\r\n\x1a\n broken", "a.png"); }), "");
-}
-
-// A grey TGA of one texel, as painting programs write it.
-TEST(Images, TgaIsRead) {
-  const unsigned char tga[] = {0, 0, 3, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0, 1, 0, 8, 0, 51};
-  const Texels t = decode({reinterpret_cast<const char*>(tga), sizeof tga}, "a.tga");
-  EXPECT_TRUE(t.is_8bit);
-  EXPECT_NEAR(t.rgb.at(0).x, 0.2, 1e-6);
-  unsigned char high[sizeof tga];
-  std::copy(std::begin(tga), std::end(tga), high);
-  high[14] = 20;
-  EXPECT_EQ(complaint([&] {
-              decode({reinterpret_cast<const char*>(high), sizeof high}, "a.tga");
-            }),
-            "a.tga: is cut short: 19 bytes for 1 x 20 texels");
-}
-
-TEST(Images, PnmThatIsCutShortIsRefused) {
+TEST(Images, WhatIsNoneIsRefused) {
   const std::string ppm = "P6\n2 2\n255\n" + std::string(12, 'x');
+  // Grey, of one texel, as painting programs write it.
+  std::string tga("\0\0\x03\0\0\0\0\0\0\0\0\0\x01\0\x01\0\x08\0\x33", 19);
   EXPECT_EQ(decode(ppm, "a.ppm").rgb.size(), 4u);
-  EXPECT_EQ(complaint([&] { decode(ppm.substr(0, 11), "a.ppm"); }),
-            "a.ppm: is cut short: 11 bytes for 2 x 2 texels");
+  EXPECT_TRUE(decode(tga, "a.tga").is_8bit);
+  EXPECT_NEAR(decode(tga, "a.tga").rgb.at(0).x, 0.2, 1e-6);
+  tga[14] = 20;
+  for (const auto& [name, bytes, words] :
+       std::vector<std::tuple<std::string, std::string, std::string>>{
+           {"a.pfm", "PF\n2 2\n-1\n123", "is cut short"},
+           {"a.pfm", "PF\nx 2\n-1\n", "the header of the PFM is damaged"},
+           {"a.pfm", "PF\n99999 2\n-1\n", "is 99999 x 2 texels"},
+           {"a.png", "abc", "is no picture"},
+           {"a.hdr", "", "is empty"},
+           {"a.png", "something else", "is no picture that can be read"},
+           {"a.png", "\x89PNG\r\n\x1a\n broken", ": "},
+           {"a.ppm", ppm.substr(0, 11), "is cut short: 11 bytes for 2 x 2"},
+           {"a.tga", tga, "is cut short: 19 bytes for 1 x 20"}}) {
+    const std::string said = complaint([&] { decode(bytes, name); });
+    EXPECT_TRUE(said.starts_with(name + ": ")) << said;
+    EXPECT_NE(said.find(words), std::string::npos) << said;
+  }
 }
 
 std::string chunk(const std::string& type, const std::string& data) {

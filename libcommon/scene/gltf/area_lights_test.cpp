@@ -4,16 +4,12 @@
 #include <numbers>
 
 #include "libcommon/base/error.h"
-#include "libcommon/scene/scene.h"
-#include "libcommon/testing/files/glb_builder.h"
 #include "libcommon/testing/files/sound_scene.h"
-#include "libcommon/testing/files/temp_folder.h"
+#include "libcommon/testing/scenes/materials.h"
 
 namespace tdpt::testing::area_lights_test {
 
-using Json = nlohmann::ordered_json;
 using Units = LampUnits::Kind;
-using Sentences = std::vector<std::string>;
 
 constexpr double pi = std::numbers::pi;
 constexpr const char* kBlender = "Khronos glTF Blender I/O v4.2.0";
@@ -34,9 +30,8 @@ void add_light(GlbBuilder& b, const Json& light, Json node = Json::object()) {
   b.node(node);
 }
 
-Scene read(const GlbBuilder& b, const Pose& pose = {}) {
-  const TempFolder folder;
-  Scene s = read_gltf(folder.write("scene.glb", b.glb()), pose);
+Scene read(const GlbBuilder& b) {
+  Scene s = load(b);
   EXPECT_EQ(fault_of(s), "");
   return s;
 }
@@ -126,48 +121,49 @@ TEST(AreaLights, ADiskHasTheAreaOfADisk) {
   EXPECT_NEAR(e.high.y - e.low.y, 0.5, 5e-4);
 }
 
-TEST(AreaLights, HaveDefaults) {
-  const Scene s = scene_with({{"type", "rect"}}, {{"name", "lamp"}});
+TEST(AreaLights, HaveDefaultsAndAloneMakeAScene) {
+  GlbBuilder b;
+  add_light(b, {{"type", "rect"}}, {{"name", "lamp"}});
+  const Scene s = read(b);
+  EXPECT_EQ(s.triangles.size(), 2u);
   EXPECT_NEAR(only_emitter_of(s).area, 1, 1e-6);
   const Material& m = s.materials[s.area_lights[0].material];
   EXPECT_EQ(m.emission, Rgb(1000));
   EXPECT_EQ(m.name, "lamp");
 }
 
-TEST(AreaLights, TheLargestScaleOfTheirNodeCountsInAllDirections) {
-  const Json light = {{"type", "rect"}, {"size", 0.5}, {"rect", {{"aspect", 2}}}};
-  for (const Json& scale : {Json{1, 1, 3}, Json{3, 0.5, 1}, Json{-3, 1, 1}, Json{1, -3, 2}}) {
-    const Emitter e = only_emitter_of(scene_with(light, {{"scale", scale}}));
-    EXPECT_NEAR(e.area, 9 * 0.5, 1e-5) << scale;
-    expect_near(e.high - e.low, {3, 1.5, 0});
-    expect_near(e.normal, {0, 0, -1});
-  }
-}
-
-TEST(AreaLights, AreNotMirroredUnlessTheirAxisIs) {
-  const Json light = {{"type", "disk"}};
-  expect_near(only_emitter_of(scene_with(light, {{"scale", {-1, 1, 1}}})).normal, {0, 0, -1});
-  expect_near(only_emitter_of(scene_with(light, {{"scale", {-1, -1, 1}}})).normal, {0, 0, -1});
-  // As for spots: -Z of the node is where it is.
-  expect_near(only_emitter_of(scene_with(light, {{"scale", {1, 1, -1}}})).normal, {0, 0, 1});
-}
-
-TEST(AreaLights, TurnWithTheirNodes) {
+TEST(AreaLights, FollowTheirNodesButForShear) {
   const double h = std::sqrt(0.5);
-  const Emitter e =
-      only_emitter_of(scene_with({{"type", "rect"}, {"rect", {{"aspect", 3}}}},
-                                 {{"translation", {0, 2, 0}}, {"rotation", {-h, 0, 0, h}}}));
-  expect_near(e.normal, {0, -1, 0});
-  expect_near(e.low, {-1.5, 2, -0.5});
-  expect_near(e.high, {1.5, 2, 0.5});
-}
-
-// Below a parent that shears, a rectangle still has right angles.
-TEST(AreaLights, AreNotSheared) {
-  const Emitter e = only_emitter_of(scene_with(
-      {{"type", "rect"}}, {{"matrix", {1, 0, 0, 0, 0.75, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}}}));
-  EXPECT_NEAR(e.area, 1 + 0.75 * 0.75, 1e-6);
-  expect_near(e.high - e.low, {1.25, 1.25, 0});
+  struct Case {
+    Json node;
+    double area;
+    Vec3d normal, extent;
+  };
+  // A rectangle of 1 m by 0.5 m. The largest scale of its node counts in all directions, and it is
+  // mirrored only where its axis is: as for spots, -Z of the node is where it is.
+  const std::vector<Case> cases = {
+      {{{"scale", {1, 1, 3}}}, 4.5, {0, 0, -1}, {3, 1.5, 0}},
+      {{{"scale", {3, 0.5, 1}}}, 4.5, {0, 0, -1}, {3, 1.5, 0}},
+      {{{"scale", {-3, 1, 1}}}, 4.5, {0, 0, -1}, {3, 1.5, 0}},
+      {{{"scale", {1, -3, 2}}}, 4.5, {0, 0, -1}, {3, 1.5, 0}},
+      {{{"scale", {-1, -1, 1}}}, 0.5, {0, 0, -1}, {1, 0.5, 0}},
+      {{{"scale", {1, 1, -1}}}, 0.5, {0, 0, 1}, {1, 0.5, 0}},
+      {{{"scale", {0, 2, 1}}}, 2, {0, 0, -1}, {2, 1, 0}},  // without an x it takes another
+      {{{"rotation", {-h, 0, 0, h}}}, 0.5, {0, -1, 0}, {1, 0, 0.5}},
+      // Below a parent that shears, a rectangle still has right angles.
+      {{{"matrix", {1, 0, 0, 0, 0.75, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}}},
+       0.5 * (1 + 0.75 * 0.75),
+       {0, 0, -1},
+       {1.25, 0.625, 0}}};
+  for (const Case& c : cases) {
+    const Emitter e = only_emitter_of(
+        scene_with({{"type", "rect"}, {"size", 0.5}, {"rect", {{"aspect", 2}}}}, c.node));
+    EXPECT_NEAR(e.area, c.area, 1e-5) << c.node;
+    expect_near(e.normal, c.normal);
+    expect_near(e.high - e.low, c.extent);
+  }
+  EXPECT_EQ(scene_with({{"type", "rect"}}, {{"scale", {1, 1, 0}}}).warnings,
+            Sentences{"lights with a flat transform are left out: nodes[1]"});
 }
 
 TEST(AreaLights, RadianceGoesByTheUnitsOfTheScenesLights) {
@@ -185,14 +181,12 @@ TEST(AreaLights, RadianceGoesByTheUnitsOfTheScenesLights) {
     EXPECT_NEAR(radiance(s, Units::watts).x * pi * only_emitter_of(s).area, 683, 1e-2);
 }
 
-TEST(AreaLights, UnitsGoByWhoWroteTheFile) {
+TEST(AreaLights, UnitsGoByWhoWroteTheFileAndByOtherLamps) {
   const auto units = [](const Json& generator, const std::vector<Json>& lamps) {
     GlbBuilder b = with_floor();
     b.json["asset"]["generator"] = generator;
     add_light(b, {{"type", "rect"}, {"intensity", 40}});
     b.json["extensions"]["KHR_lights_punctual"]["lights"] = lamps;
-    for (size_t i = 0; i < lamps.size(); ++i)
-      b.node({{"extensions", {{"KHR_lights_punctual", {{"light", i}}}}}});
     return read(b).lamp_units;
   };
   EXPECT_EQ(units("three.js", {}).kind, Units::radiometric);
@@ -200,71 +194,27 @@ TEST(AreaLights, UnitsGoByWhoWroteTheFile) {
   EXPECT_EQ(units(kBlender, {}).kind, Units::photometric);
   EXPECT_EQ(units(kBlender, {}).reason,
             "area lights are taken as nits, divided by 683 lm/W: so their extension defines them");
-  // 100 W in W/sr and in candela: the digits of points decide, those of area lights do not.
-  const auto point = [](float intensity) {
-    return Json{{"type", "point"}, {"intensity", intensity}};
-  };
-  const auto per_sr = static_cast<float>(100 / (4 * pi));
-  EXPECT_EQ(units(kBlender, {point(per_sr)}).kind, Units::radiometric);
-  EXPECT_EQ(units(kBlender, {point(683 * per_sr)}).kind, Units::photometric);
-  EXPECT_EQ(units(kBlender, {point(100)}).kind, Units::watts);
+  // 100 W: the digits of points decide, those of area lights do not.
+  EXPECT_EQ(units(kBlender, {{{"type", "point"}, {"intensity", 100}}}).kind, Units::watts);
 }
 
-TEST(AreaLights, ShineBesideOtherLights) {
-  GlbBuilder b = with_floor();
-  add_light(b, {{"type", "rect"}});
-  add_light(b, {{"type", "disk"}}, {{"translation", {0, 3, 0}}});
-  b.json["extensions"]["KHR_lights_punctual"]["lights"] = Json::array({{{"type", "point"}}});
-  b.json["nodes"].back()["extensions"]["KHR_lights_punctual"]["light"] = 0;
-  b.json["extensionsRequired"] = {"EXT_lights_area"};
-  const Scene s = read(b);
-  EXPECT_EQ(s.area_lights.size(), 2u);
-  EXPECT_EQ(s.lights.size(), 1u);
-  EXPECT_NE(s.area_lights[0].material, s.area_lights[1].material);
-}
-
-// A light and a mesh made by hand in its place are the same triangles.
-TEST(AreaLights, AreTheTrianglesOfAnEmittingMesh) {
-  const Json node = {{"translation", {0.5, 1, 0.25}}, {"rotation", {0.6, 0, 0, 0.8}}};
-  const Scene light = scene_with(
-      {{"type", "rect"}, {"intensity", 7}, {"size", 0.5}, {"rect", {{"aspect", 2}}}}, node);
-  GlbBuilder b = with_floor();
-  const int p = b.floats({-0.5f, -0.25f, 0, -0.5f, 0.25f, 0, 0.5f, 0.25f, 0, 0.5f, -0.25f, 0}, 3);
-  b.material({{"emissiveFactor", {1, 1, 1}},
-              {"pbrMetallicRoughness", {{"baseColorFactor", {0, 0, 0, 1}}}},
-              {"extensions", {{"KHR_materials_emissive_strength", {{"emissiveStrength", 7}}}}}});
-  const int i = b.indices_u8({0, 1, 2, 0, 2, 3});
-  Json placed = node;
-  placed["mesh"] = b.mesh({{"attributes", {{"POSITION", p}}}, {"indices", i}, {"material", 1}});
-  b.node(placed);
-  const Scene mesh = read(b);
-  EXPECT_EQ(light.positions, mesh.positions);
-  ASSERT_EQ(light.triangles.size(), mesh.triangles.size());
-  for (uint32_t t = 0; t < light.triangles.size(); ++t) {
-    EXPECT_EQ(light.triangles[t].vertex, mesh.triangles[t].vertex);
-    EXPECT_EQ(light.material_of(t).emission, mesh.material_of(t).emission);
-    EXPECT_EQ(light.material_of(t).double_sided, mesh.material_of(t).double_sided);
-  }
-}
-
-TEST(AreaLights, StandBesideMeshesWithAttributesAndWithoutMaterials) {
+TEST(AreaLights, StandBesideMeshesAndOtherLights) {
   GlbBuilder b;
   const int p = b.floats({0, 0, 0, 1, 0, 0, 0, 1, 0}, 3);
   const int n = b.floats({0, 0, 1, 0.6f, 0, 0.8f, 0, 0.6f, 0.8f}, 3);
   b.node({{"mesh", b.mesh({{"attributes", {{"POSITION", p}, {"NORMAL", n}}}})}});
   add_light(b, {{"type", "disk"}});
+  add_light(b, {{"type", "rect"}}, {{"extensions", {{"KHR_lights_punctual", {{"light", 0}}}}}});
+  b.json["extensions"]["KHR_lights_punctual"]["lights"] = Json::array({{{"type", "point"}}});
+  b.json["extensionsRequired"] = {"EXT_lights_area"};
   const Scene s = read(b);
-  ASSERT_EQ(s.materials.size(), 2u);
+  ASSERT_EQ(s.materials.size(), 3u);
+  EXPECT_EQ(s.lights.size(), 1u);
   EXPECT_EQ(s.materials[0].name, "default");
   EXPECT_EQ(s.area_lights[0].material, 1u);
+  EXPECT_EQ(s.area_lights[1].material, 2u);
   EXPECT_EQ(s.normals.size(), s.positions.size());
   EXPECT_EQ(s.smooth.back(), 0);
-}
-
-TEST(AreaLights, AloneMakeAScene) {
-  GlbBuilder b;
-  add_light(b, {{"type", "rect"}});
-  EXPECT_EQ(read(b).triangles.size(), 2u);
 }
 
 TEST(AreaLights, DarkOnesAreNotThere) {
@@ -279,38 +229,6 @@ TEST(AreaLights, DarkOnesAreNotThere) {
             Sentences{"a radiance below 1e-30 counts as none: nodes[1]"});
 }
 
-TEST(AreaLights, FlatTransformsLeaveThemOut) {
-  const Json light = {{"type", "rect"}};
-  EXPECT_EQ(scene_with(light, {{"scale", {1, 1, 0}}}).warnings,
-            Sentences{"lights with a flat transform are left out: nodes[1]"});
-  const Emitter e = only_emitter_of(scene_with(light, {{"scale", {0, 2, 1}}}));
-  EXPECT_NEAR(e.area, 4, 1e-6);
-}
-
-TEST(AreaLights, AreHiddenWithTheirNodes) {
-  GlbBuilder b = with_floor();
-  add_light(b, {{"type", "rect"}});
-  b.json["nodes"].back()["extensions"]["KHR_node_visibility"]["visible"] = false;
-  const Scene s = read(b);
-  EXPECT_EQ(s.triangles.size(), 2u);
-  EXPECT_TRUE(s.area_lights.empty());
-}
-
-TEST(AreaLights, FollowAnimations) {
-  GlbBuilder b = with_floor();
-  add_light(b, {{"type", "disk"}});
-  b.json["animations"] = {
-      {{"samplers",
-        {{{"input", b.floats({0, 1}, 1)}, {"output", b.floats({0, 1, 0, 0, 1, 4}, 3)}}}},
-       {"channels",
-        {{{"sampler", 0},
-          {"target", {{"node", b.json["nodes"].size() - 1}, {"path", "translation"}}}}}}}};
-  const Scene first = read(b, {.seconds = 0.0}), later = read(b, {.seconds = 0.25});
-  expect_near(only_emitter_of(first).centre, {0, 1, 0});
-  expect_near(only_emitter_of(later).centre, {0, 1, 1});
-  EXPECT_NE(first.pose_hash, later.pose_hash);
-}
-
 TEST(AreaLights, PowerInATinyAreaIsRefused) {
   Scene s = scene_with({{"type", "rect"}, {"name", "dot"}, {"size", 1e-16}});
   s.path = "room.glb";
@@ -319,9 +237,8 @@ TEST(AreaLights, PowerInATinyAreaIsRefused) {
     take_lamps_as(s, Units::watts);
     ADD_FAILURE();
   } catch (const InputError& e) {
-    EXPECT_STREQ(e.what(),
-                 "room.glb: area light \"dot\" of 1e-32 m2 emits a radiance of "
-                 "4.66e+31, expected at most 1e30");
+    EXPECT_TRUE(
+        std::string(e.what()).starts_with("room.glb: area light \"dot\" of 1e-32 m2 emits"));
   }
 }
 

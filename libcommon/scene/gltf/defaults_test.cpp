@@ -1,14 +1,12 @@
-// Rendering defaults in a scene's extras: how they are read, and the errors for malformed ones.
+// Rendering defaults in a scene's extras, and the files that a scene names.
 #include "libcommon/scene/gltf/defaults.h"
 
 #include <gtest/gtest.h>
-#include <algorithm>
 #include <filesystem>
 
 #include "libcommon/base/error.h"
-#include "libcommon/scene/scene.h"
-#include "libcommon/testing/files/glb_builder.h"
-#include "libcommon/testing/files/temp_folder.h"
+#include "libcommon/testing/rooms/squares.h"
+#include "libcommon/testing/scenes/materials.h"
 
 namespace tdpt::testing::defaults_test {
 
@@ -21,15 +19,6 @@ Json scene_of(const Json& extras) {
 
 SceneDefaults said(const Json& extras, const std::string& file = "room.glb") {
   return defaults_of(scene_of(extras), file);
-}
-
-std::string complaint(const Json& extras) {
-  try {
-    said(extras);
-    return "";
-  } catch (const InputError& e) {
-    return e.what();
-  }
 }
 
 TEST(SceneDefaults, AreNothingWhereNothingIsSaid) {
@@ -68,92 +57,63 @@ TEST(SceneDefaults, AreThoseOfTheSceneThatIsShown) {
   json["scene"] = 1;
   EXPECT_EQ(defaults_of(json, "a.glb").width, 2);
   EXPECT_EQ(defaults_of(json, "a.glb").place, "scenes[1].extras");
-  json["scene"] = 2;
-  EXPECT_THROW(defaults_of(json, "a.glb"), InputError);
 }
 
-TEST(SceneDefaults, WhatIsWrongIsToldWithItsPlace) {
-  const std::string at = "room.glb:scenes[0].extras.tdpt_";
-  const std::string sky = "a file, or R,G,B: three numbers from 0 to 1e30";
-  EXPECT_EQ(complaint({{"tdpt_width", 0}}),
-            at + "width: is 0, expected an integer from 1 to 65536");
-  EXPECT_EQ(complaint({{"tdpt_height", 65537}}),
-            at + "height: is 65537, expected an integer from 1 to 65536");
-  EXPECT_EQ(complaint({{"tdpt_height", "200"}}), at + "height: is \"200\", expected an integer");
-  EXPECT_EQ(complaint({{"tdpt_environment_rotation", 361}}),
-            at + "environment_rotation: is 361, expected a number from -360 to 360");
-  EXPECT_EQ(complaint({{"tdpt_environment_scale", 0}}),
-            at + "environment_scale: is 0, expected a number from 1e-09 to 1000000000");
-  EXPECT_EQ(complaint({{"tdpt_camera", 2}}), at + "camera: is 2, expected a string");
-  EXPECT_EQ(complaint({{"tdpt_environment", true}}), at + "environment: is true, expected " + sky);
-  EXPECT_EQ(complaint({{"tdpt_environment", ""}}), at + "environment: is \"\", expected " + sky);
-  EXPECT_EQ(complaint({{"tdpt_environment", {1, 2}}}),
-            at + "environment: is an array of 2, expected " + sky);
-  EXPECT_EQ(complaint({{"tdpt_environment", {1, -2, 3}}}),
-            at + "environment: is \"1,-2,3\", expected " + sky);
-  EXPECT_EQ(complaint({{"tdpt_environment", "1,2"}}),
-            at + "environment: is \"1,2\", expected " + sky);
-  EXPECT_EQ(complaint({{"tdpt_environment", "0,0,0"}}),
-            at + "environment: is \"0,0,0\", expected a colour that is not black");
-}
-
-struct Folder : TempFolder {
-  std::string scene = (path / "scene/room.glb").string();
-  SceneDefaults naming(const std::string& environment) const {
-    return said({{"tdpt_environment", environment}}, scene);
-  }
-  std::string found(const std::string& environment) const {
-    const SceneDefaults d = naming(environment);
+TEST(SceneDefaults, AFileLiesInTheScenesFolderAndANameThatIsThereIsTakenAsItIs) {
+  const TempFolder folder;
+  const std::string scene = (folder.path / "scene/room.glb").string();
+  const auto found = [&](const std::string& environment, const std::string& file) {
+    const SceneDefaults d = said({{"tdpt_environment", environment}}, file);
     return d.environment_fault ? d.environment_fault->what() : d.environment_file;
-  }
-  std::string in_scene(const std::string& name) const { return (path / "scene" / name).string(); }
-};
-
-TEST(SceneDefaults, AFileLiesInTheScenesFolderOrBelow) {
-  const Folder folder;
-  folder.write("scene/sky.exr", "");
-  folder.write("scene/skies/my sky.exr", "");
-  folder.write("outside/sky.exr", "");
-  fs::create_symlink("../outside/sky.exr", folder.in_scene("link.exr"));
-  EXPECT_EQ(folder.found("sky.exr"), folder.in_scene("sky.exr"));
-  EXPECT_EQ(folder.found("skies/my sky.exr"), folder.in_scene("skies/my sky.exr"));
-  const std::string at = folder.scene + ":scenes[0].extras.tdpt_environment: ";
-  const std::string elsewhere = " is not a file in the scene's folder, which is all that is read";
-  for (const std::string name :
-       {"../outside/sky.exr", "/etc/sky.exr", "http://a/sky.exr", "data:image/exr;base64,AAAA.exr"})
-    EXPECT_EQ(folder.found(name), at + "\"" + name + "\"" + elsewhere);
-  EXPECT_EQ(folder.found("%2e%2e/outside/sky.exr"), at + "\"../outside/sky.exr\"" + elsewhere);
-  EXPECT_EQ(folder.found("link.exr"),
-            at + "\"link.exr\" leads out of the scene's folder, which is all that is read");
-  EXPECT_EQ(folder.found("none.exr"),
-            at + "\"none.exr\" cannot be opened: No such file or directory");
-  EXPECT_EQ(folder.found("skies"), at + "\"skies\" is no regular file");
-  EXPECT_EQ(said({{"tdpt_environment", "sky.exr"}}, "-").environment_fault->what(),
-            std::string("(standard input):scenes[0].extras.tdpt_environment: \"sky.exr\" is "
-                        "another file, expected a scene in one piece on standard input"));
-}
-
-TEST(SceneDefaults, ANameThatIsThereIsTakenAsItIsElseAsAUri) {
-  const Folder folder;
-  folder.write("scene/my sky.exr", "");
-  EXPECT_EQ(folder.found("my%20sky.exr"), folder.in_scene("my sky.exr"));
-  folder.write("scene/my%20sky.exr", "");
-  EXPECT_EQ(folder.found("my%20sky.exr"), folder.in_scene("my%20sky.exr"));
+  };
+  const auto written = [&](const std::string& name) { return folder.write("scene/" + name, ""); };
+  const std::string sky = written("skies/my sky.exr"), at = ":scenes[0].extras.tdpt_environment: ";
+  EXPECT_EQ(found("skies/my sky.exr", scene), sky);
+  EXPECT_EQ(found("skies/my%20sky.exr", scene), sky);
+  const std::string encoded = written("skies/my%20sky.exr");
+  EXPECT_EQ(found("skies/my%20sky.exr", scene), encoded);
+  EXPECT_EQ(found("data:image/exr;base64,AAAA.exr", scene),
+            scene + at +
+                "\"data:image/exr;base64,AAAA.exr\" is not a file in the scene's folder, "
+                "which is all that is read");
+  EXPECT_EQ(found("none.exr", scene),
+            scene + at + "\"none.exr\" cannot be opened: No such file or directory");
+  EXPECT_EQ(found("sky.exr", "-"), "(standard input)" + at +
+                                       "\"sky.exr\" is another file, expected "
+                                       "a scene in one piece on standard input");
 }
 
 TEST(SceneDefaults, AreReadWithAScene) {
-  GlbBuilder b;
-  const int p = b.floats({0, 0, 0, 1, 0, 0, 0, 1, 0}, 3);
-  b.node({{"mesh", b.mesh({{"attributes", {{"POSITION", p}}}})}});
-  b.camera("hall", {0, 0, 2}, {0, 0, 0}, 1, 1);
+  GlbBuilder b = square();
   b.camera("yard", {0, 0, 3}, {0, 0, 0}, 1, 1);
-  const TempFolder folder;
-  EXPECT_EQ(read_gltf(folder.write("a.glb", b.glb())).camera("").name, "hall");
+  EXPECT_EQ(load(b).camera("").name, "camera");
   b.json["scenes"][0]["extras"] = {{"tdpt_camera", "yard"}};
-  const Scene scene = read_gltf(folder.write("a.glb", b.glb()));
+  const Scene scene = load(b);
   EXPECT_EQ(scene.defaults.camera, "yard");
   EXPECT_EQ(scene.camera("").name, "yard");
-  EXPECT_EQ(scene.camera("hall").name, "hall");
+  EXPECT_EQ(scene.camera("camera").name, "camera");
+}
+
+TEST(SceneFiles, AreThoseThatItsJsonNames) {
+  const TempFolder folder;
+  const auto files = [&](const std::string& text) {
+    return files_of_scene(folder.write("scene.gltf", text));
+  };
+  const SceneFiles all = files(R"({"asset":{"version":"2.0"},"scene":0,
+    "buffers":[{"uri":"a%20b.bin"},{"byteLength":1},{"uri":"data:;base64,AAAA"}],
+    "images":[{"uri":"maps/wood.png"},{"uri":"a%20b.bin"},{"bufferView":0}],
+    "extensions":{"EXT_lights_ies":{"lights":[{"uri":"spot.ies"},{"bufferView":0}]}},
+    "scenes":[{"extras":{"tdpt_environment":"my%20sky.exr"}}]})");
+  EXPECT_EQ(all.beside,
+            (Sentences{"a b.bin", "maps/wood.png", "spot.ies", "my%20sky.exr", "my sky.exr"}));
+  EXPECT_TRUE(all.has_environment);
+  // A malformed scene names no files.
+  for (const char* wrong : {"", "{", "no scene", R"({"buffers":7})", R"({"buffers":[7,{"uri":3}]})",
+                            R"({"extensions":{"EXT_lights_ies":7}})"}) {
+    EXPECT_EQ(files(wrong).beside, Sentences{}) << wrong;
+    EXPECT_FALSE(files(wrong).has_environment);
+  }
+  EXPECT_THROW(files_of_scene(folder.path / "missing.glb"), InputError);
 }
 
 }  // namespace tdpt::testing::defaults_test

@@ -2,28 +2,23 @@
 #include <gtest/gtest.h>
 #include <cmath>
 
-#include "libcommon/base/error.h"
 #include "libcommon/scene/ies.h"
 #include "libcommon/scene/lights.h"
-#include "libcommon/scene/scene.h"
-#include "libcommon/testing/files/glb_builder.h"
 #include "libcommon/testing/files/ies_text.h"
-#include "libcommon/testing/files/temp_folder.h"
+#include "libcommon/testing/scenes/materials.h"
 #include "libcommon/testing/scenes/needs.h"
 
 namespace tdpt::testing::lights_test {
 
-using Json = nlohmann::ordered_json;
 using Kind = PunctualLight::Kind;
 
 /// A triangle 2 `size` m long and a node for each light, with transform `placement`.
-Scene scene_with(const std::vector<Json>& lights, Json placement = Json::object(), double size = 1,
-                 const Json& generator = "") {
+GlbBuilder lit_by(const std::vector<Json>& lights, Json placement = Json::object(), double size = 1,
+                  const Json& generator = "") {
   GlbBuilder b;
   b.json["asset"]["generator"] = generator;
   const int p = b.floats({0, 0, 0, 2, 0, 0, 0, 1, 0}, 3);
-  b.material({{"pbrMetallicRoughness", {{"metallicFactor", 0}}},
-              {"extensions", {{"KHR_materials_specular", {{"specularFactor", 0}}}}}});
+  b.material(lambert(0.5, 0.5, 0.5));
   b.node({{"mesh", b.mesh({{"attributes", {{"POSITION", p}}}, {"material", 0}})},
           {"scale", {size, size, size}}});
   b.json["extensions"]["KHR_lights_punctual"]["lights"] = lights;
@@ -32,8 +27,11 @@ Scene scene_with(const std::vector<Json>& lights, Json placement = Json::object(
     node["extensions"]["KHR_lights_punctual"]["light"] = i;
     b.node(node);
   }
-  const TempFolder folder;
-  return read_gltf(folder.write("scene.glb", b.glb()));
+  return b;
+}
+Scene scene_with(const std::vector<Json>& lights, const Json& placement = Json::object(),
+                 double size = 1, const Json& generator = "") {
+  return load(lit_by(lights, placement, size, generator));
 }
 
 void expect_near(const Vec3d& a, const Vec3d& b) {
@@ -50,8 +48,8 @@ TEST(PunctualLights, PointsHaveAPlaceAndAnIntensity) {
   EXPECT_EQ(l.name, "bulb");
   expect_near(s.frame.to_metres(l.position), {1, 2, 3});
   EXPECT_EQ(l.intensity, Rgb(40, 20, 0));  // two metres long: the scale is 1
-  EXPECT_EQ(needs_of(s), std::vector<std::string>{"punctual lights"});
-  EXPECT_EQ(s.warnings, std::vector<std::string>{});
+  EXPECT_EQ(needs_of(s), Sentences{"punctual lights"});
+  EXPECT_EQ(s.warnings, Sentences{});
 }
 
 TEST(PunctualLights, IrradianceIsTheSameInBothFrames) {
@@ -78,8 +76,10 @@ TEST(PunctualLights, SpotsHaveCones) {
   const Scene s = scene_with(
       {{{"type", "spot"}},
        {{"type", "spot"}, {"spot", {{"innerConeAngle", pi / 6}, {"outerConeAngle", pi / 3}}}},
-       {{"type", "spot"}, {"spot", {{"outerConeAngle", 1.5707964}}}}},
+       {{"type", "spot"}, {"spot", {{"outerConeAngle", 1.5707964}}}},
+       {{"type", "spot"}, {"spot", {{"innerConeAngle", 0.5}, {"outerConeAngle", 0.5}}}}},
       {{"translation", {0, 0, 2}}});
+  ASSERT_EQ(s.lights.size(), 4u);
   EXPECT_EQ(s.lights[0].kind, Kind::spot);
   EXPECT_EQ(s.lights[0].intensity, Rgb(1));
   expect_near(s.lights[0].direction, {0, 0, -1});
@@ -88,74 +88,46 @@ TEST(PunctualLights, SpotsHaveCones) {
   EXPECT_NEAR(s.lights[1].cos_inner, std::sqrt(0.75), 1e-12);
   EXPECT_NEAR(s.lights[1].cos_outer, 0.5, 1e-12);
   EXPECT_GE(s.lights[2].cos_outer, 0);  // pi / 2 rounded up
+  // A sharp edge, as Blender writes a spot without blend.
+  const LightSource source = LightSource::punctual(s.lights[3], 1);
+  for (const auto& [angle, light] : {std::pair(0.0, 1.0f), {0.4999, 1.0f}, {0.5001, 0.0f}})
+    EXPECT_EQ(source.emitted({}, {}, {std::sin(angle), 0, -std::cos(angle)}).x, light) << angle;
 }
 
-// As Blender writes a spot without blend.
-TEST(PunctualLights, ASpotMayHaveASharpEdge) {
-  const Scene s =
-      scene_with({{{"type", "spot"}, {"spot", {{"innerConeAngle", 0.5}, {"outerConeAngle", 0.5}}}}},
-                 {{"translation", {0, 0, 2}}});
-  ASSERT_EQ(s.lights.size(), 1u);
-  const LightSource source = LightSource::punctual(s.lights[0], 1);
-  const auto at = [&](double angle) {
-    return source.emitted({}, {}, {std::sin(angle), 0, -std::cos(angle)}).x;
-  };
-  EXPECT_EQ(at(0), 1);
-  EXPECT_EQ(at(0.4999), 1);
-  EXPECT_EQ(at(0.5001), 0);
-}
-
-TEST(PunctualLights, TheirUnitsGoByWhoWroteTheFile) {
+TEST(PunctualLights, UnitsGoByWhoWroteTheFile) {
   const std::vector<Json> lamps{{{"type", "point"}, {"intensity", 5435.141306588225}}};
-  EXPECT_EQ(scene_with(lamps).lamp_units.kind, LampUnits::Kind::radiometric);
   const auto by = [&](const Json& generator) {
-    return scene_with(lamps, Json::object(), 1, generator).lamp_units.kind;
+    const Scene s = scene_with(lamps, Json::object(), 1, generator);
+    return std::pair(s.by_blender, s.lamp_units.kind);
   };
-  EXPECT_EQ(by("Khronos glTF Blender I/O v3.4.50"), LampUnits::Kind::photometric);
-  EXPECT_EQ(by(7), LampUnits::Kind::radiometric);
+  EXPECT_EQ(by("Khronos glTF Blender I/O v3.4.50"), std::pair(true, LampUnits::Kind::photometric));
+  EXPECT_EQ(by("FBX2glTF"), std::pair(false, LampUnits::Kind::radiometric));
+  EXPECT_EQ(by(7), std::pair(false, LampUnits::Kind::radiometric));
 }
 
-TEST(PunctualLights, DarkOnesAreSkipped) {
+TEST(PunctualLights, DarkOnesAreSkippedAndANameMayBeTheNodes) {
   EXPECT_TRUE(
       scene_with({{{"type", "point"}, {"intensity", 0}}, {{"type", "spot"}, {"color", {0, 0, 0}}}})
           .lights.empty());
-}
-
-TEST(PunctualLights, ANameMayBeTheNodes) {
   EXPECT_EQ(scene_with({{{"type", "point"}}}, {{"name", "lamp"}}).lights[0].name, "lamp");
 }
 
 TEST(PunctualLights, BeyondSinglePrecisionAreRefused) {
-  const auto refusal = [](double intensity, double size) -> std::string {
-    try {
-      scene_with({{{"type", "point"}, {"intensity", intensity}}}, Json::object(), size);
-    } catch (const InputError& e) {
-      const std::string what = e.what();
-      return what.substr(what.find("scene.glb:") + 10);
-    }
-    return "";
+  const auto fault = [](double intensity, double size) {
+    return refusal(lit_by({{{"type", "point"}, {"intensity", intensity}}}, Json::object(), size));
   };
   const std::string place = "extensions.KHR_lights_punctual";
-  EXPECT_EQ(refusal(1e31, 1),
-            place + ".lights[0]: has an intensity of 1e+31, expected at most 1e30");
+  EXPECT_EQ(fault(1e31, 1), place + ".lights[0]: has an intensity of 1e+31, expected at most 1e30");
   EXPECT_EQ(
-      refusal(1, 0x1p-60),
+      fault(1, 0x1p-60),
       place + ": an intensity of 1 W/sr is too much for a scene 1.734723475976807e-18 m long");
-  EXPECT_EQ(
-      refusal(1, 0x1p60),
-      place + ": an intensity of 1 W/sr is too little for a scene 2.305843009213694e+18 m long");
-  EXPECT_EQ(refusal(1, 0x1p40), "");
+  EXPECT_EQ(fault(1, 0x1p60), place +
+                                  ": an intensity of 1 W/sr is too little for a scene "
+                                  "2.305843009213694e+18 m long");
+  EXPECT_EQ(fault(1, 0x1p40), "");
 }
 
-TEST(PunctualLights, WhoWroteThemIsKnownWhereThereIsNone) {
-  const auto by_blender = [](const Json& generator) {
-    return scene_with({}, Json::object(), 1, generator).by_blender;
-  };
-  EXPECT_FALSE(by_blender("FBX2glTF"));
-  EXPECT_TRUE(by_blender("Khronos glTF Blender I/O v3.4.50"));
-}
-
-const testing::IesText kProfile{.multiplier = 3, .vertical = {0, 90}, .candela = {10, 4}};
+const IesText kProfile{.multiplier = 3, .vertical = {0, 90}, .candela = {10, 4}};
 
 /// Two nodes with the first of `lights`.
 Scene luminaires(const Json& lights, const Json& extension, const TempFolder& folder,
@@ -188,7 +160,7 @@ TEST(Luminaires, AimAlongMinusZOfTheirNodesAndTurnWithThem) {
   expect_near(l.direction, {-1, 0, 0});
   expect_near(l.across, {0, 0, -1});
   EXPECT_EQ(l.profile, s.lights[1].profile);
-  EXPECT_EQ(needs_of(s), std::vector<std::string>{"punctual lights"});
+  EXPECT_EQ(needs_of(s), Sentences{"punctual lights"});
   EXPECT_EQ(s.lamp_units.kind, LampUnits::Kind::radiometric);
 }
 
@@ -201,7 +173,7 @@ TEST(Luminaires, ProfilesLieBesideTheScene) {
   EXPECT_EQ(s.lights.size(), 2u);
   ASSERT_EQ(s.files.size(), 1u);
   EXPECT_TRUE(s.files[0].ends_with("my lamp.ies"));
-  testing::IesText other = kProfile;
+  IesText other = kProfile;
   other.candela[1] = 5;
   folder.write("my lamp.ies", other.text());
   EXPECT_NE(luminaires(lights, {{"light", 0}}, folder).hash, s.hash);
@@ -232,7 +204,7 @@ TEST(Luminaires, AreInCandela) {
 // The same text is read once.
 TEST(Luminaires, DarkOnesAreSkipped) {
   const TempFolder folder;
-  testing::IesText dark = kProfile;
+  IesText dark = kProfile;
   dark.candela = {0, 0};
   EXPECT_TRUE(luminaires({{{"uri", "data:;base64," + base64(dark.text())}}}, {{"light", 0}}, folder)
                   .lights.empty());

@@ -50,42 +50,9 @@ void collect(Json& value, std::vector<Json*>& all) {
 }
 
 Json extreme(tdpt::Rng& rng) {
-  static const std::vector<Json> kValues = {-1,
-                                            0,
-                                            1,
-                                            2,
-                                            3,
-                                            4,
-                                            5,
-                                            7,
-                                            255,
-                                            256,
-                                            65535,
-                                            5120,
-                                            5121,
-                                            5123,
-                                            5125,
-                                            5126,
-                                            2147483647,
-                                            -2147483648LL,
-                                            4294967296,
-                                            1e15,
-                                            0.5,
-                                            1e30,
-                                            1e300,
-                                            -1e300,
-                                            1e-300,
-                                            true,
-                                            false,
-                                            nullptr,
-                                            "",
-                                            "VEC3",
-                                            "MASK",
-                                            "BLEND",
-                                            "data:;base64,AAAA",
-                                            "part.bin",
-                                            Json::array(),
-                                            Json::object()};
+  static const Json kValues = Json::parse(R"([-1, 0, 1, 2, 3, 4, 5, 7, 255, 256, 65535, 5120, 5121,
+    5123, 5125, 5126, 2147483647, -2147483648, 4294967296, 1e15, 0.5, 1e30, 1e300, -1e300, 1e-300,
+    true, false, null, "", "VEC3", "MASK", "BLEND", "data:;base64,AAAA", "part.bin", [], {}])");
   return kValues[rng.below(static_cast<uint32_t>(kValues.size()))];
 }
 

@@ -12,11 +12,6 @@ using Json = nlohmann::ordered_json;
 constexpr int kFloat = 5126, kU8 = 5121, kU16 = 5123, kU32 = 5125;
 constexpr int kVertices = 34962, kIndices = 34963;  // bufferView targets
 
-template <class T>
-std::string bytes_of(const std::vector<T>& values) {
-  return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T)};
-}
-
 void append_u32(std::string& out, size_t value) {
   for (int i = 0; i < 4; ++i) out += static_cast<char>((value >> (8 * i)) & 255);
 }
@@ -172,14 +167,32 @@ int GlbBuilder::camera(const std::string& name, std::array<double, 3> from,
   return c;
 }
 
-std::string GlbBuilder::glb() const {
+GlbBuilder GlbBuilder::of(const std::string& glb) {
+  const auto length = [&](size_t at) {
+    uint32_t value = 0;
+    if (at + 4 <= glb.size()) std::memcpy(&value, glb.data() + at, 4);
+    return value;
+  };
+  GlbBuilder b;
+  b.json = Json::parse(glb.substr(20, length(12)));
+  b.bin = glb.substr(20 + length(12) + 8, length(20 + length(12)));
+  b.json["buffers"].erase(0);
+  if (b.json["buffers"].empty()) b.json.erase("buffers");
+  return b;
+}
+
+Json GlbBuilder::document() const {
   Json j = json;
   if (!bin.empty()) {  // the binary chunk is buffer 0; buffers in the JSON follow it
     j["buffers"] = Json::array({{{"byteLength", bin.size()}}});
     if (json.contains("buffers"))
       j["buffers"].insert(j["buffers"].end(), json["buffers"].begin(), json["buffers"].end());
   }
-  return glb_of(j.dump(), bin);
+  return j;
+}
+
+std::string GlbBuilder::glb() const {
+  return glb_of(document().dump(), bin);
 }
 
 std::string GlbBuilder::gltf() const {

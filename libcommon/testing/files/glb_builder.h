@@ -17,6 +17,8 @@ class GlbBuilder {
   std::string bin;
 
   GlbBuilder();
+  /// Of a whole file with a binary chunk.
+  static GlbBuilder of(const std::string& glb);
 
   /// Appends `data`, aligned to 4 bytes; returns the bufferView.
   int view(std::string_view data, int stride = 0);
@@ -41,6 +43,7 @@ class GlbBuilder {
   int camera(const std::string& name, std::array<double, 3> from, std::array<double, 3> to,
              double yfov, double aspect);
 
+  nlohmann::ordered_json document() const;  ///< with its buffers
   std::string glb() const;
   /// JSON text with the buffer as a data URI.
   std::string gltf() const;
@@ -50,6 +53,11 @@ class GlbBuilder {
   void extend_limits(nlohmann::ordered_json& accessor, const std::vector<float>& values,
                      int components);
 };
+
+template <class T>
+std::string bytes_of(const std::vector<T>& values) {
+  return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T)};
+}
 
 /// A .glb of this JSON text and binary chunk, valid or not.
 std::string glb_of(std::string json_text, std::string bin);

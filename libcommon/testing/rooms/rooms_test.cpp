@@ -9,8 +9,6 @@
 #include "libcommon/base/file.h"
 #include "libcommon/math/rng.h"
 #include "libcommon/scene/scene.h"
-#include "libcommon/testing/files/reencode.h"
-#include "libcommon/testing/files/temp_folder.h"
 #include "libcommon/trace/tracer.h"
 
 namespace tdpt::testing::rooms_test {
@@ -24,17 +22,6 @@ TEST(Rooms, FilesAreThoseThatTheProgramWrites) {
     names.insert(s.file);
   }
   for (const auto& entry : std::filesystem::directory_iterator(kScenes))
-    EXPECT_TRUE(names.contains(entry.path().filename())) << entry.path();
-}
-
-TEST(Encodings, FilesAreThoseThatTheProgramWrites) {
-  const std::string folder = std::string(TDPT_TESTDATA) + "/encodings/";
-  std::set<std::string> names = {"README.md"};
-  for (const auto& [name, bytes] : encoded_rooms()) {
-    EXPECT_EQ(read_file(folder + name), bytes) << name;
-    names.insert(name);
-  }
-  for (const auto& entry : std::filesystem::directory_iterator(folder))
     EXPECT_TRUE(names.contains(entry.path().filename())) << entry.path();
 }
 

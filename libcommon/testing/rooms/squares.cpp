@@ -1,9 +1,9 @@
 #include "libcommon/testing/rooms/squares.h"
 
-#include "libcommon/testing/files/malformed_list.h"
-
 namespace tdpt::testing {
 namespace {
+
+using Json = nlohmann::ordered_json;
 
 std::string from_hex(std::string_view digits) {
   std::string out;
@@ -22,6 +22,18 @@ GlbBuilder without_buffer() {
 }
 
 }  // namespace
+
+GlbBuilder square() {
+  GlbBuilder b;
+  const int position = b.floats({0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0}, 3);
+  const int index = b.indices_u16({0, 1, 2, 0, 2, 3});
+  b.material({{"pbrMetallicRoughness", {{"metallicFactor", 0}}}});
+  const int mesh =
+      b.mesh({{"attributes", {{"POSITION", position}}}, {"indices", index}, {"material", 0}});
+  b.node({{"mesh", mesh}});
+  b.camera("camera", {0.5, 0.5, 2}, {0.5, 0.5, 0}, 1, 1);
+  return b;
+}
 
 GlbBuilder square_by_draco() {
   GlbBuilder b = without_buffer();

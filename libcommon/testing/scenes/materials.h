@@ -2,6 +2,7 @@
 #pragma once
 #include <cmath>
 
+#include "libcommon/base/error.h"
 #include "libcommon/scene/scene.h"
 #include "libcommon/testing/files/glb_builder.h"
 #include "libcommon/testing/files/temp_folder.h"
@@ -23,6 +24,17 @@ inline Json lambert(double r, double g, double blue) {
 inline Scene load(const GlbBuilder& b) {
   const TempFolder folder;
   return read_gltf(folder.write("scene.glb", b.glb()));
+}
+
+/// The error of reading it, without the file's name; "" if there is none.
+inline std::string refusal(const GlbBuilder& b) {
+  try {
+    load(b);
+  } catch (const InputError& e) {
+    const std::string what = e.what();
+    return what.substr(what.find("scene.glb:") + 10);
+  }
+  return "";
 }
 
 /// One triangle per material, with both sets of texture coordinates.

@@ -1,6 +1,7 @@
 #include "tools/tdpt-import/gltf/gltf.h"
 
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <numbers>
 
@@ -77,11 +78,14 @@ Affine mirrored() {
 }
 
 // What a camera sees stays, whatever the frame of the source: the corners of the lamp lie where
-// they lay in the camera's own frame, and it shines towards the camera.
+// they lay in the camera's own frame, and it shines towards the camera, or
+// away from it where it is turned.
 TEST(ImportWriter, CameraSeesTheSame) {
   for (const Affine& at : {Affine{}, turned(), mirrored()})
     for (const char* up : {"auto", "x", "y", "z"}) {
-      const Result r = write(room(at), up);
+      Described d = room(at);
+      d.shapes[0].turned = up[0] == 'x';
+      const Result r = write(d, up);
       const tdpt::Camera& c = r.scene.cameras.at(0);
       EXPECT_EQ(r.written.frame.mirrored, at.mirrors());
       EXPECT_NEAR(length(cross(c.right, c.up) + c.forward), 0, 1e-9);  // no mirror image
@@ -92,13 +96,12 @@ TEST(ImportWriter, CameraSeesTheSame) {
         ++emitting;
         Vec3d p[3];
         for (int k = 0; k < 3; ++k) {
-          const Vec3f v = r.scene.vertex(t, k);
-          const Vec3d d = (Vec3d(v.x, v.y, v.z) - c.position) / r.scene.frame.scale;
-          p[k] = {dot(d, c.right), dot(d, c.up), dot(d, c.forward)};
+          const Vec3d off = (Vec3d(r.scene.vertex(t, k)) - c.position) / r.scene.frame.scale;
+          p[k] = {dot(off, c.right), dot(off, c.up), dot(off, c.forward)};
           low = min(low, p[k]), high = max(high, p[k]);
         }
         // In a frame of right, up and forward, which is left-handed, a front has +z towards us.
-        EXPECT_GT(cross(p[1] - p[0], p[2] - p[0]).z, 0);
+        EXPECT_EQ(cross(p[1] - p[0], p[2] - p[0]).z < 0, d.shapes[0].turned);
       }
       EXPECT_EQ(emitting, 2u);
       EXPECT_NEAR(length(low - Vec3d(2, -1, 5)), 0, 1e-5);
@@ -123,30 +126,15 @@ TEST(ImportWriter, UpGoesByTheCamera) {
   EXPECT_NEAR(c.up.y, 1, 1e-6);  // z was up
 }
 
-TEST(ImportWriter, TurnedShapesShineBackwards) {
-  Described d = room({});
-  d.shapes[0].turned = true;
-  const tdpt::Scene s = write(d).scene;
-  const auto n = [](const tdpt::Scene& scene) {
-    const auto at = [&](int k) {
-      const Vec3f v = scene.vertex(0, k);
-      return Vec3d(v.x, v.y, v.z);
-    };
-    return cross(at(1) - at(0), at(2) - at(0)).z;
-  };
-  EXPECT_LT(n(s), 0);
-  EXPECT_GT(n(write(room({})).scene), 0);
-}
-
 TEST(ImportWriter, ShearIsPutIntoTheMesh) {
   Described d = room({});
   d.shapes[0].to_world = {{1, 0, 0}, {0.5, 2, 0}, {0, 0, 1}, {0, 0, -5}};
   const Result r = write(d);
-  float most = -1e9f;
-  for (int k = 0; k < 3; ++k)
-    for (uint32_t t = 0; t < 2; ++t)
-      most = std::max(
-          most, static_cast<float>(r.scene.frame.to_metres({r.scene.vertex(t, k).x, 0, 0}).x));
+  double most = -1e9;
+  for (uint32_t corner = 0; corner < 6; ++corner) {
+    const Vec3f v = r.scene.vertex(corner / 3, static_cast<int>(corner % 3));
+    most = std::max(most, r.scene.frame.to_metres(Vec3d(v)).x);
+  }
   EXPECT_NEAR(most, 1.5, 1e-5);
   EXPECT_FALSE(r.json["nodes"][1].contains("matrix"));
   EXPECT_FALSE(r.json["nodes"][1].contains("scale"));
@@ -308,47 +296,43 @@ TEST(ImportWriter, TwinOneSampleForATexelLosesPower) {
 }
 
 TEST(ImportWriter, SkiesThatAreNoneAreRefusedOrDark) {
-  const auto complaint = [](const Described& d) -> std::string {
+  Described d = with_sky({}, turned(), false);
+  const auto complaint = [&]() -> std::string {
     try {
-      write(d);
-      return "";
+      const Result r = write(d);
+      return r.losses.empty() ? "" : r.losses.back();
     } catch (const InputError& e) {
       return e.what();
     }
   };
-  Described d = with_sky({}, turned(), false);
+  const auto expect = [&](const char* words) {
+    EXPECT_NE(complaint().find(words), std::string::npos) << complaint();
+  };
   d.images[0].texels[65].y = std::numeric_limits<float>::infinity();
-  EXPECT_NE(complaint(d).find("sky:pixel 1 1: is no radiance of a sky"), std::string::npos);
+  expect("sky:pixel 1 1: is no radiance");
   d.images[0].texels[65].y = -1;
-  EXPECT_EQ(write(d).losses, std::vector<std::string>{"negative radiances of the sky become 0"});
+  expect("negative radiances");
   d.images[0].texels.assign(64 * 32, Rgb(0));
   EXPECT_EQ(write(d).scene.defaults.environment, "");
   d.images[0] = {"sky", {}, 1, 1, {Rgb(2, 4, 6)}};  // one texel is one colour
-  EXPECT_EQ(write(d).json["scenes"][0]["extras"]["tdpt_environment"],
-            nlohmann::json({1.0, 2.0, 3.0}));
+  const auto colour = [&] { return write(d).json["scenes"][0]["extras"]["tdpt_environment"]; };
+  EXPECT_EQ(colour(), nlohmann::json({1.0, 2.0, 3.0}));
   d.images[0] = {"sky", {}, 2, 1, {Rgb(1), Rgb(2)}};
   d.sky->layout = Sky::Layout::octahedral;
-  EXPECT_NE(complaint(d).find("is 2 x 1 texels, expected a square"), std::string::npos);
-  d.images[0] = {"sky.hdr", "", 0, 0, {}};  // an empty file
-  EXPECT_NE(complaint(d).find("sky.hdr: is empty, expected a picture"), std::string::npos)
-      << complaint(d);
+  expect("is 2 x 1 texels, expected a square");
+  d.images[0] = {"sky.hdr", "", 0, 0, {}};
+  expect("sky.hdr: is empty");
   d.sky.reset();
   d.materials[0].base.texture = Texture{};
-  ASSERT_EQ(write(d).losses.size(), 1u);
-  EXPECT_NE(write(d).losses[0].find("sky.hdr: is empty"), std::string::npos);
-}
-
-TEST(ImportWriter, SkiesOf8BitsAreDecodedIfTheSourceDoes) {
-  Described d = room({});
-  const std::string grey("\0\0\x03\0\0\0\0\0\0\0\0\0\x01\0\x01\0\x08\x20\x80", 19);  // a TGA
+  expect("sky.hdr: is empty");
+  // A grey TGA: of 8 bits, decoded if the source does.
+  d = room({});
+  const std::string grey("\0\0\x03\0\0\0\0\0\0\0\0\0\x01\0\x01\0\x08\x20\x80", 19);
   d.images.push_back({"sky.tga", grey, 0, 0, {}});
   d.sky = Sky{Rgb(1), 0, true, Sky::Layout::latlong, {}};
-  const auto level = [&] {
-    return write(d).json["scenes"][0]["extras"]["tdpt_environment"][0].get<double>();
-  };
-  EXPECT_NEAR(level(), 0.2159, 1e-3);
+  EXPECT_NEAR(colour()[0].get<double>(), 0.2159, 1e-3);
   d.sky->srgb = false;
-  EXPECT_NEAR(level(), 128 / 255.0, 1e-6);
+  EXPECT_NEAR(colour()[0].get<double>(), 128 / 255.0, 1e-6);
 }
 
 // Portals lie where they lay, and their fronts face the camera; where the source says otherwise,
@@ -379,145 +363,104 @@ TEST(ImportWriter, PortalsLieBesideTheScene) {
     }
 }
 
-TEST(ImportWriter, PortalsWithoutAnAreaAreLeftOut) {
+TEST(ImportWriter, PortalsWithoutAnAreaOrBeyondAllNumbersAreNone) {
   Described d = room({});
-  Shape flat;
-  flat.to_world.x = {};
-  d.portals = {flat};
+  d.portals.resize(1);
+  d.portals[0].to_world.x = {};
   const Result r = write(d);
   EXPECT_EQ(r.written.portals, "");
-  EXPECT_EQ(r.losses, std::vector<std::string>{"a portal without an area is left out"});
-}
-
-TEST(ImportWriter, PortalsBeyondAllNumbersAreRefused) {
-  Described d = room({});
-  Shape portal;
-  portal.to_world.t.x = 1e39;
-  d.portals = {portal};
+  EXPECT_EQ(r.losses.size(), 1u);
+  d.portals[0].to_world = {};
+  d.portals[0].to_world.t.x = 1e39;
   EXPECT_THROW(write(d), InputError);
 }
 
-TEST(ImportWriter, OpacityBecomesAlpha) {
-  Described d = room({});
-  d.images.push_back({"mask", {}, 2, 1, {Rgb(0), Rgb(1)}});
-  Texture mask;
-  mask.srgb = false;
-  d.materials[0].opacity.texture = mask;
-  const Result r = write(d);
-  ASSERT_EQ(r.scene.images.size(), 1u);
-  EXPECT_EQ(r.scene.images[0].texels[3], 0);
-  EXPECT_EQ(r.scene.images[0].texels[7], 255);
-  EXPECT_EQ(r.scene.images[0].texels[0], 255);
-  EXPECT_EQ(r.json["materials"][0]["alphaMode"], "BLEND");
-}
+// A picture of two texels on the grey surface, or on the lamp, and what of it is written.
+struct Textured {
+  const char* what;
+  Image image;
+  std::function<void(Described&)> use;
+  size_t channel;  // the place in r g b a of the first texel
+  int value;
+  const char* lost = "";
+};
 
-// The lists of the file begin in another order there.
-TEST(ImportWriter, PicturesStayWithoutACamera) {
-  Described d = room({});
-  d.cameras.clear();
-  d.images.push_back({"grey", {}, 2, 1, {Rgb(0), Rgb(1)}});
-  d.materials[0].base.texture = Texture{};
-  EXPECT_EQ(write(d).scene.images.size(), 1u);
-}
-
-TEST(ImportWriter, NumbersAreTheMeanOrTheLuminance) {
-  Described d = room({});
-  d.images.push_back({"mask", {}, 2, 1, {Rgb(1, 0, 0), Rgb(0)}});
-  d.materials[0].opacity.texture = Texture{};
-  EXPECT_EQ(write(d).scene.images.at(0).texels[3], 85);
-  d.materials[0].opacity.texture->luminance = true;
-  EXPECT_EQ(write(d).scene.images.at(0).texels[3], 54);
-}
-
-TEST(ImportWriter, TexelsAboveOneAreNamed) {
-  Described d = room({});
-  d.images.push_back({"bright", {}, 2, 1, {Rgb(1), Rgb(2)}});
-  d.shapes[0].emission->radiance.texture = Texture{};
-  EXPECT_TRUE(write(d).losses.empty());  // light may be
-  d.materials[0].base.texture = Texture{};
-  EXPECT_EQ(write(d).losses, std::vector<std::string>{"reflectances above 1 are taken as 1"});
-}
-
-TEST(ImportWriter, OpacityIsTheAlphaOfExr) {
-  Described d = room({});
+TEST(ImportWriter, TexelsAreWhatTheirUseNeeds) {
+  const auto picture = [](const Rgb& first, const Rgb& second) {
+    return Image{"a", {}, 2, 1, {first, second}};
+  };
   ExrFile file;
   file.picture = {2, 1, {Rgb(0.5f), Rgb(0.5f)}, {0.2f, 0.4f}};
-  d.images.push_back({"leaf.exr", exr_bytes(file), 0, 0, {}});
-  d.materials[0].opacity.texture = Texture{};
-  d.materials[0].opacity.texture->alpha = true;
-  EXPECT_EQ(write(d).scene.images.at(0).texels[3], 51);
+  const Image leaf{"leaf.exr", exr_bytes(file), 0, 0, {}};
+  const Image mask = picture(Rgb(1, 0, 0), Rgb(0)), map = picture({0.5f, 0.8f, 1}, {0.5f, 0.2f, 1}),
+              bright = picture(Rgb(0.5f), Rgb(2)), dark = picture(Rgb(0.2f), Rgb(0.1f)),
+              glow = picture(Rgb(std::numeric_limits<float>::infinity()), Rgb(3));
+  const auto opacity = [](Described& d) { d.materials[0].opacity.texture = Texture{}; };
+  const auto normal = [](Described& d) { d.materials[0].normal = Texture{}; };
+  const auto base = [](Described& d) { d.materials[0].base.texture = Texture{}; };
+  const auto lamp = [](Described& d) { d.shapes[0].emission->radiance.texture = Texture{}; };
+  const std::vector<Textured> cases{
+      {"opacity as alpha", picture(Rgb(0), Rgb(1)), opacity, 3, 0},
+      {"the mean as a number", mask, opacity, 3, 85},
+      {"luminance as a number", mask,
+       [&](Described& d) { opacity(d), d.materials[0].opacity.texture->luminance = true; }, 3, 54},
+      {"alpha as a number", leaf,
+       [&](Described& d) { opacity(d), d.materials[0].opacity.texture->alpha = true; }, 3, 51},
+      {"a normal map", map, normal, 1, 204},
+      {"a normal map with +Y down", map,
+       [&](Described& d) { normal(d), d.materials[0].normal->green_down = true; }, 1, 51},
+      {"light above 1", bright, lamp, 0, 137},
+      {"reflectance above 1", bright, base, 0, 188, "reflectances above 1"},
+      // JSON has no infinity.
+      {"light without a value", glow, lamp, 0, 0, "not finite"},
+      // Of 0.2, which its scene multiplies by 3: sRGB of 0.6.
+      {"a factor above 1", dark,
+       [](Described& d) {
+         d.materials[0].base = {Rgb(3), Texture{}, {}};
+       },
+       0, 203},
+      {"opacity with a factor above 1", dark,
+       [](Described& d) {
+         d.materials[0].opacity = {3, Texture{}, {}};
+       },
+       3, 153},
+      // The lists of the file begin in another order there.
+      {"a picture without a camera", dark, [&](Described& d) { base(d), d.cameras.clear(); }, 0,
+       124},
+  };
+  for (const Textured& c : cases) {
+    SCOPED_TRACE(c.what);
+    Described d = room({});
+    d.images = {c.image};
+    c.use(d);
+    const Result r = write(d);
+    ASSERT_EQ(r.scene.images.size(), 1u);
+    EXPECT_EQ(r.scene.images[0].texels.at(c.channel), c.value);
+    ASSERT_EQ(r.losses.size(), *c.lost ? 1u : 0u);
+    if (*c.lost) EXPECT_NE(r.losses[0].find(c.lost), std::string::npos) << r.losses[0];
+  }
 }
 
-TEST(ImportWriter, NormalMapsPointUp) {
-  Described d = room({});
-  d.images.push_back({"map", {}, 2, 1, {Rgb(0.5f, 0.8f, 1), Rgb(0.5f, 0.2f, 1)}});
-  d.materials[0].normal = Texture{};
-  EXPECT_EQ(write(d).scene.images.at(0).texels[1], 204);
-  d.materials[0].normal->green_down = true;
-  EXPECT_EQ(write(d).scene.images.at(0).texels[1], 51);
-}
-
-// As a picture of 0.2 that its scene multiplies by 3.
-TEST(ImportWriter, FactorsAboveOneArePutIntoTexels) {
-  Described d = room({});
-  d.images.push_back({"dark", {}, 2, 1, {Rgb(0.2f), Rgb(0.1f)}});
-  Material& m = d.materials[0];
-  m.base = {Rgb(3), Texture{}, {}};
-  m.roughness = {3, Texture{}, {}};
-  m.opacity = {3, Texture{}, {}};
-  m.specular = 1;
-  const Result r = write(d);
-  EXPECT_TRUE(r.losses.empty());
-  EXPECT_EQ(r.json["materials"][0]["pbrMetallicRoughness"]["baseColorFactor"][0], 1);
-  EXPECT_EQ(r.scene.images.at(0).texels[0], 203);  // sRGB of 0.6
-  EXPECT_EQ(r.scene.images[0].texels[3], 153);
-  EXPECT_EQ(r.scene.images.at(1).texels[1], 153);
-}
-
-// JSON has no infinity.
-TEST(ImportWriter, TexelsWithoutAValueAreBlack) {
-  Described d = room({});
-  d.images.push_back({"glow", {}, 2, 1, {Rgb(std::numeric_limits<float>::infinity()), Rgb(3)}});
-  d.shapes[0].emission->radiance.texture = Texture{};
-  const Result r = write(d);
-  EXPECT_EQ(r.losses,
-            std::vector<std::string>{"texels that are not finite or above 1e30 become 0"});
-  EXPECT_EQ(r.scene.images.at(0).texels[0], 0);
-  EXPECT_EQ(r.scene.images.at(0).texels[4], 255);
-}
-
-TEST(ImportWriter, TexturesKeepTheirValues) {
+TEST(ImportWriter, TexturesKeepTheirValuesAndTheirPlaces) {
   Described d = room({});
   d.images.push_back({"wood", {}, 4, 4, std::vector<Rgb>(16, Rgb(0.2f, 0.5f, 0.8f))});
   d.images[0].texels[15] = Rgb(0.9f);
-  d.materials[0].base.factor = Rgb(1);
   d.materials[0].base.texture = Texture{};
-  d.materials[0].base.texture->map = {2, 0, 0.25, 0, 3, 0.5};
+  // A rotation after a scale, as KHR_texture_transform has it.
+  const double c = std::cos(0.3), s = std::sin(0.3);
+  const std::array<double, 6> map{2 * c, 5 * s, 0.25, -2 * s, 5 * c, 0.5};
+  d.materials[0].base.texture->map = map;
   const Result r = write(d);
+  EXPECT_TRUE(r.losses.empty());
   ASSERT_EQ(r.scene.images.size(), 1u);
   EXPECT_EQ(r.scene.images[0].texels[0], 124);  // sRGB of 0.2
   EXPECT_EQ(r.scene.images[0].texels[1], 188);  // of 0.5
-  const nlohmann::json& t = r.json["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"];
-  EXPECT_EQ(t["extensions"]["KHR_texture_transform"]["scale"][1], 3);
-  EXPECT_EQ(t["extensions"]["KHR_texture_transform"]["offset"][0], 0.25);
+  const size_t wooden = r.scene.materials[0].maps[0].image >= 0 ? 0 : 1;
+  const auto& found = r.scene.materials[wooden].maps[0].transform;
+  for (size_t i = 0; i < 6; ++i) EXPECT_NEAR(found[i], map[i], 1e-6) << i;
   EXPECT_EQ(write(d, "y", 2).scene.images[0].width, 2);
-}
-
-// Of a rotation after a scale, as KHR_texture_transform has it.
-TEST(ImportWriter, TextureMapsTurn) {
-  Described d = room({});
-  d.images.push_back({"wood", {}, 2, 1, {Rgb(0.1f), Rgb(0.9f)}});
-  const double c = std::cos(0.3), s = std::sin(0.3);
-  d.materials[0].base.texture = Texture{};
-  d.materials[0].base.texture->map = {2 * c, 5 * s, 0, -2 * s, 5 * c, 0};
-  const Result r = write(d);
-  const auto& m = r.scene.materials[0].maps[0].image >= 0 ? r.scene.materials[0].maps[0].transform
-                                                          : r.scene.materials[1].maps[0].transform;
-  for (size_t i = 0; i < 6; ++i) EXPECT_NEAR(m[i], d.materials[0].base.texture->map[i], 1e-6) << i;
-  EXPECT_TRUE(r.losses.empty());
   d.materials[0].base.texture->map = {2, 1, 0, 0, 2, 0};
-  EXPECT_EQ(write(d).losses,
-            std::vector<std::string>{"texture coordinates that shear are not sheared"});
+  EXPECT_EQ(write(d).losses.size(), 1u);  // sheared
 }
 
 TEST(ImportWriter, LampsShineWhereTheyDid) {

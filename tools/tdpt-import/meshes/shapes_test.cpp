@@ -47,53 +47,42 @@ std::array<float, 2> uv_at(const Mesh& mesh, const Vec3f& at) {
   return {-1, -1};
 }
 
-TEST(Shapes, SquareShowsAnImageUpright) {
-  const Mesh m = square();
-  EXPECT_DOUBLE_EQ(area(m), 4);
-  EXPECT_TRUE(fronts_agree(m, {0, 0, -1}));
-  EXPECT_TRUE(images_are_readable(m));
-  EXPECT_EQ(uv_at(m, {-1, -1, 0}), (std::array<float, 2>{0, 1}));
-  EXPECT_EQ(uv_at(m, {1, 1, 0}), (std::array<float, 2>{1, 0}));
-}
+struct Known {
+  const char* name;
+  Mesh mesh;
+  size_t triangles;
+  double area;  // that of the round shape
+  Vec3d inside;
+  Vec3f place;  // where its picture has (u, v)
+  std::array<float, 2> uv;
+};
 
-TEST(Shapes, CubeHasItsFrontOutside) {
-  const Mesh m = cube();
-  EXPECT_DOUBLE_EQ(area(m), 24);
-  EXPECT_EQ(m.triangles.size(), 12u);
-  EXPECT_TRUE(fronts_agree(m, {0, 0, 0}));
-  EXPECT_TRUE(images_are_readable(m));
+// Images stand upright; u = phi / (2 pi) on round ones, and v = 0 at the top.
+TEST(Shapes, HaveTheirAreaTheirFrontAndTheirPictures) {
+  for (const auto& [name, mesh, triangles, expected, inside, place, uv] :
+       {Known{"square", square(), 2, 4, {0, 0, -1}, {-1, -1, 0}, {0, 1}},
+        Known{"cube", cube(), 12, 24, {}, {-1, -1, -1}, {0, 0}},
+        Known{"sphere", sphere(), 64u * 31 * 2, 4 * kPi, {}, {0, 1, 0}, {0.25f, 0.5f}},
+        Known{"disc", disc(), 64, kPi, {0, 0, -1}, {0, 1, 0}, {0.25f, 1}},
+        Known{"cylinder", cylinder(), 128, 2 * kPi, {0, 0, 0.5}, {0, 1, 1}, {0.25f, 0}}}) {
+    SCOPED_TRACE(name);
+    EXPECT_NEAR(area(mesh), expected, 1e-5);
+    EXPECT_EQ(mesh.triangles.size(), triangles);
+    EXPECT_TRUE(fronts_agree(mesh, inside));
+    EXPECT_TRUE(images_are_readable(mesh));
+    EXPECT_EQ(uv_at(mesh, place), uv);
+  }
+  for (const Vec3f& p : sphere().positions) EXPECT_NEAR(length(p), 1, 0.002);
+  const Mesh box = cube();
   for (size_t i = 0; i < 24; ++i)  // of Mitsuba's cube, the lower left corner of the image on top
-    if (m.normals[i] == Vec3f(0, 0, 1) && m.positions[i] == Vec3f(1, -1, 1)) {
-      EXPECT_EQ(m.uv[i], (std::array<float, 2>{0, 1}));
+    if (box.normals[i] == Vec3f(0, 0, 1) && box.positions[i] == Vec3f(1, -1, 1)) {
+      EXPECT_EQ(box.uv[i], (std::array<float, 2>{0, 1}));
     }
-}
-
-TEST(Shapes, SphereHasTheAreaOfARoundOne) {
-  const Mesh m = sphere();
-  EXPECT_NEAR(area(m), 4 * kPi, 1e-5);
-  EXPECT_TRUE(fronts_agree(m, {0, 0, 0}));
-  EXPECT_TRUE(images_are_readable(m));
-  EXPECT_EQ(m.triangles.size(), 64u * 31 * 2);
-  EXPECT_EQ(uv_at(m, {0, 1, 0})[0], 0.25f);  // u = phi / (2 pi)
-  EXPECT_EQ(uv_at(m, {1, 0, 0})[1], 0.5f);
-  EXPECT_EQ(uv_at(m, {0, 0, 1})[1], 0.0f);  // the image's top row
-  for (const Vec3f& p : m.positions) EXPECT_NEAR(length(p), 1, 0.002);
-}
-
-TEST(Shapes, DiscHasTheAreaOfARoundOne) {
-  const Mesh m = disc();
-  EXPECT_NEAR(area(m), kPi, 1e-6);
-  EXPECT_EQ(m.triangles.size(), 64u);
-  EXPECT_TRUE(fronts_agree(m, {0, 0, -1}));
-  EXPECT_TRUE(images_are_readable(m));
-}
-
-TEST(Shapes, CylinderIsOpenAndHasTheAreaOfARoundOne) {
-  const Mesh m = cylinder();
-  EXPECT_NEAR(area(m), 2 * kPi, 1e-5);
-  EXPECT_TRUE(fronts_agree(m, {0, 0, 0.5}));
-  EXPECT_TRUE(images_are_readable(m));
-  EXPECT_EQ(uv_at(m, {0, 1, 1}), (std::array<float, 2>{0.25f, 0}));
+  Mesh twice = square();  // flipped
+  flip_v(twice);
+  EXPECT_EQ(twice.uv[0], (std::array<float, 2>{0, 0}));
+  flip_v(twice);
+  EXPECT_EQ(twice.uv, square().uv);
 }
 
 TEST(Shapes, SmoothWeighsByAngles) {
@@ -115,14 +104,6 @@ TEST(Shapes, SmoothLeavesAUnitNormalEverywhere) {
   m.triangles = {{4, 1, 2}};
   smooth(m);
   EXPECT_EQ(m.normals[0], m.normals[4]);  // -0 is the same place
-}
-
-TEST(Shapes, FlipVTwiceIsNothing) {
-  Mesh m = square();
-  flip_v(m);
-  EXPECT_EQ(m.uv[0], (std::array<float, 2>{0, 0}));
-  flip_v(m);
-  EXPECT_EQ(m.uv, square().uv);
 }
 
 }  // namespace tdpt::foreign::shapes_test

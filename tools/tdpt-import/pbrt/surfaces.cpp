@@ -57,6 +57,8 @@ Number alpha(const Entity& e, double absent, const std::string& prefix = "") {
   const Number n = u ? *u : v ? *v : both;
   if (n.texture) return through(n, to_alpha);
   const float first = (u ? *u : both).factor, second = (v ? *v : both).factor;
+  // pbrt-v3's glass is smooth where both are 0; remapping would make it rough.
+  if (e.kind == "glass" && first == 0 && second == 0) return {0.0f, {}, {}};
   // pbrt-v3's uber takes the roughness along u for both.
   if (first == second || (e.kind == "uber" && !v)) return {to_alpha(first), {}, {}};
   lose(e, "different roughness along u and v becomes their geometric mean");

@@ -3,16 +3,13 @@
 // them into doc/limit.md.
 #include <algorithm>
 #include <chrono>
-#include <cstdio>
-#include <sstream>
 
 #include <fmt/format.h>
 
-#include "libcommon/base/error.h"
 #include "libcommon/base/process.h"
 #include "libcommon/gpu/statistics_bench.h"
 #include "shaders/path_steps.h"
-#include "tools/tdpt-render/bench/device_traffic.h"
+#include "tools/tdpt-render/bench/bench_main.h"
 #include "tools/tdpt-render/device/gpu_renderer.h"
 #include "tools/tdpt-render/device/wavefront.h"
 #include "tools/tdpt-render/plan/candidates.h"
@@ -37,63 +34,11 @@ constexpr const char* kUsage =
     "  --registers            what the driver's compiler tells of each kernel\n";
 
 struct Options {
-  std::vector<std::string> files, integrators{"nee", "bdpt", "tdpt-guided", "auto"};
-  std::string device;
+  std::vector<std::string> integrators{"nee", "bdpt", "tdpt-guided", "auto"};
+  std::string device = "gpu";
   int width = 160, spp = 8, max_depth = 6, rounds = 5;
   bool registers = false;
 };
-
-std::vector<std::string> listed(const std::string& list) {
-  std::vector<std::string> words;
-  std::istringstream in(list);
-  for (std::string word; std::getline(in, word, ',');) words.push_back(word);
-  return words;
-}
-
-std::string device_of(const std::string& word) {
-  if (word != "gpu" && word.rfind("gpu:", 0) != 0) throw UsageError(kUsage);
-  return word.size() > 4 ? word.substr(4) : "";
-}
-
-int number_of(const std::string& word) {
-  const bool digits = !word.empty() && word.find_first_not_of("0123456789") == std::string::npos;
-  const int n = digits && word.size() < 7 ? std::stoi(word) : 0;
-  if (n < 1) throw UsageError(kUsage);
-  return n;
-}
-
-Options options_of(const std::vector<std::string>& words) {
-  Options o;
-  for (size_t i = 0; i < words.size(); ++i) {
-    const std::string& word = words[i];
-    if (word == "--registers") {
-      o.registers = true;
-      continue;
-    }
-    if (word.empty() || word[0] != '-') {
-      o.files.push_back(word);
-      continue;
-    }
-    if (i + 1 == words.size()) throw UsageError(kUsage);
-    const std::string& value = words[++i];
-    if (word == "--device")
-      o.device = device_of(value);
-    else if (word == "--integrators")
-      o.integrators = listed(value);
-    else if (word == "--width")
-      o.width = number_of(value);
-    else if (word == "--spp")
-      o.spp = number_of(value);
-    else if (word == "--max-depth")
-      o.max_depth = number_of(value);
-    else if (word == "--rounds")
-      o.rounds = number_of(value);
-    else
-      throw UsageError(kUsage);
-  }
-  if (o.files.empty() == !o.registers) throw UsageError(kUsage);
-  return o;
-}
 
 struct Spread {
   double least, median, most;
@@ -107,6 +52,18 @@ double wall_seconds() {
   using namespace std::chrono;
   return duration<double>(steady_clock::now().time_since_epoch()).count();
 }
+
+/// How often one step ran, and the time it took: of the device, or, if it is a CPU, of all its
+/// cores.
+struct StepWork {
+  double seconds = 0;
+  uint64_t runs = 0;
+};
+struct DeviceWork {
+  std::array<StepWork, static_cast<size_t>(Step::kSteps)> steps;
+  StepWork gather;    ///< ranks and lists: pick() and place_ends()
+  double making = 0;  ///< seconds of compiling kernels
+};
 
 // A machine that adds its work to `work`.
 class TimedMachine : public Machine {
@@ -143,7 +100,6 @@ class TimedMachine : public Machine {
     if (invocations == 0) return result;
     to.seconds += now() - before;
     ++to.runs;
-    to.invocations += invocations;
     return result;
   }
   const std::unique_ptr<Machine> machine_;
@@ -169,10 +125,10 @@ struct TimedRenderer : WavefrontRenderer {
 
 // A scene with both renderers.
 struct Stage {
-  Stage(const Options& o, const gpu::Device& device)
-      : scene(read_gltf(o.files[0])),
+  Stage(const Files& files, const Options& o, const gpu::Device& device)
+      : scene(read_gltf(files[0])),
         size(picture_size(scene, scene.camera(""), o.width, 0)),
-        vista(scene, scene.camera(""), size.width, size.height, portals_of(o)),
+        vista(scene, scene.camera(""), size.width, size.height, portals_in(files, 1)),
         tables(vista),
         of_cores(device.info().kind == "cpu") {
     const FilmPlaces places(pixels(), {}, vista.openings.portals.portals());
@@ -183,12 +139,6 @@ struct Stage {
                              places.words),
             of_cores, work),
         device.info().name, work);
-  }
-  static std::vector<Portal> portals_of(const Options& o) {
-    std::vector<Portal> portals;
-    for (size_t i = 1; i < o.files.size(); ++i)
-      for (const Portal& p : read_portals(o.files[i]).portals) portals.push_back(p);
-    return portals;
   }
   uint64_t pixels() const {
     return static_cast<uint64_t>(size.width) * static_cast<uint64_t>(size.height);
@@ -281,19 +231,13 @@ void print_speeds(const std::string& scene, const std::vector<Measured>& all) {
   }
 }
 
-void print_traffic(const std::string& scene, const Measured& m, bool layered, bool first) {
-  if (first)
-    std::puts(
-        "\n| scene | integrator | closest-hit rays | shadow rays | estimates of connections | "
-        "bytes read "
-        "| bytes written | submissions | samples of one |\n|---|---|---|---|---|---|---|---|---|");
+void print_rays(const std::string& scene, const Measured& m) {
   const StepWork& begun = m.work.steps[static_cast<size_t>(Step::begin_camera_walks)];
-  const Traffic t = traffic_of(m.work, m.rays.connect, layered);
-  fmt::print("| {} | {} | {:.2f} | {:.2f} | {:.1f} | {:.0f} | {:.0f} | {} | {:.0f} |\n", scene,
-             m.label, static_cast<double>(m.rays.closest) / m.samples,
+  fmt::print("| {} | {} | {:.2f} | {:.2f} | {:.1f} | {} | {:.0f} |\n", scene, m.label,
+             static_cast<double>(m.rays.closest) / m.samples,
              static_cast<double>(m.rays.shadow) / m.samples,
-             static_cast<double>(m.rays.connect) / m.samples, t.read / m.samples,
-             t.written / m.samples, begun.runs, m.samples / static_cast<double>(begun.runs));
+             static_cast<double>(m.rays.connect) / m.samples, begun.runs,
+             m.samples / static_cast<double>(begun.runs));
 }
 
 // Shares of the device's time, the largest first.
@@ -362,40 +306,35 @@ void print_registers(const gpu::Device& device) {
   fmt::print(stderr, "device: {}\n", device.info().name);
 }
 
-int run(const std::vector<std::string>& words) {
-  if (words == std::vector<std::string>{"--help"}) {
-    fmt::print("{}", kUsage);
-    return 0;
-  }
-  const Options o = options_of(words);
-  const gpu::Device device = gpu::Device::open(o.device);
-  if (o.registers) {
-    print_registers(device);
-    return 0;
-  }
-  Stage stage(o, device);
-  const std::string scene = o.files[0].substr(o.files[0].find_last_of('/') + 1);
+void run(const Files& files, const Options& o) {
+  if (files.empty() == !o.registers || !o.device.starts_with("gpu")) throw UsageError(kUsage);
+  const gpu::Device device = gpu::Device::open(o.device.size() > 4 ? o.device.substr(4) : "");
+  if (o.registers) return print_registers(device);
+  Stage stage(files, o, device);
+  const std::string scene = files[0].substr(files[0].find_last_of('/') + 1);
   std::vector<Measured> all;
   for (const std::string& name : o.integrators) all.push_back(measure(name, o, stage));
   print_speeds(scene, all);
-  for (const Measured& m : all)
-    print_traffic(scene, m, stage.tables.surfaces.features.layers, &m == &all[0]);
+  std::puts(
+      "\n| scene | integrator | closest-hit rays | shadow rays | estimates of connections | "
+      "submissions | samples of one |\n|---|---|---|---|---|---|---|");
+  for (const Measured& m : all) print_rays(scene, m);
   std::puts("");
   for (const Measured& m : all) print_shares(scene, m);
-  return 0;
 }
 
 }  // namespace
 }  // namespace tdpt
 
 int main(int argc, char** argv) {
-  try {
-    return tdpt::run({argv + 1, argv + argc});
-  } catch (const tdpt::Error& e) {
-    fmt::print(stderr, "device_bench: {}\n", e.what());
-    return static_cast<int>(e.code);
-  } catch (const std::exception& e) {
-    fmt::print(stderr, "device_bench: {}\n", e.what());
-    return 1;
-  }
+  tdpt::Options o;
+  return tdpt::run_bench({argv + 1, argv + argc}, tdpt::kUsage,
+                         {{"--device", &o.device},
+                          {"--integrators", &o.integrators},
+                          {"--width", &o.width},
+                          {"--spp", &o.spp},
+                          {"--max-depth", &o.max_depth},
+                          {"--rounds", &o.rounds},
+                          {"--registers", &o.registers}},
+                         0, [&](const tdpt::Files& files) { tdpt::run(files, o); });
 }

@@ -6,15 +6,13 @@
 //   --integrators A,B --threads 1,2 --seeds N --width W --spp N   default: as below
 //
 // Only for opaque scenes: deciding whether a ray is stopped is the renderer's work.
-#include <cstdio>
-#include <cstdlib>
 #include <ctime>
-#include <sstream>
 #include <stdexcept>
 
 #include "libcommon/base/process.h"
 #include "libcommon/scene/scene.h"
 #include "libcommon/testing/ray_record.h"
+#include "tools/tdpt-render/bench/bench_main.h"
 #include "tools/tdpt-render/integrators/integrator.h"
 #include "tools/tdpt-render/run/scene_cache.h"
 #include "tools/tdpt-render/testing/rendering.h"
@@ -23,8 +21,7 @@ namespace tdpt {
 namespace {
 
 struct Options {
-  std::vector<std::string> files, integrators{"nee", "bdpt", "tdpt-org", "tdpt-guided"};
-  std::vector<int> threads{1, 2};
+  std::vector<std::string> integrators{"nee", "bdpt", "tdpt-org", "tdpt-guided"}, threads{"1", "2"};
   int seeds = 5, width = 240, spp = 8;
 };
 
@@ -45,8 +42,8 @@ Seconds time_of(const Work& work) {
   return {cpu_seconds() - cpu, now() - wall};
 }
 
-void measure(const Options& o, const Vista& vista, const Integrator& integrator, int threads,
-             int seed) {
+void measure(const std::string& scene, const Options& o, const Vista& vista,
+             const Integrator& integrator, int threads, int seed) {
   Job settings;
   settings.limits.spp = static_cast<uint64_t>(o.spp);
   settings.seed = static_cast<uint64_t>(seed);
@@ -60,7 +57,7 @@ void measure(const Options& o, const Vista& vista, const Integrator& integrator,
   const auto samples =
       static_cast<double>(settings.limits.spp) * vista.view.film.width() * vista.view.film.height();
   std::printf("%s\t%s\t%d\t%d\t%.0f\t%llu\t%llu\t%llu\t%llu\t%.6f\t%.6f\t%.6f\t%.6f\n",
-              o.files[0].c_str(), integrator.name, threads, seed, samples,
+              scene.c_str(), integrator.name, threads, seed, samples,
               static_cast<unsigned long long>(rays.closest),
               static_cast<unsigned long long>(rays.shadow),
               static_cast<unsigned long long>(ray_record::rays()),
@@ -68,75 +65,35 @@ void measure(const Options& o, const Vista& vista, const Integrator& integrator,
   std::fflush(stdout);
 }
 
-void run(const Options& o) {
-  const Scene scene = read_gltf(o.files[0]);
+void run(const Files& files, const Options& o) {
+  const Scene scene = read_gltf(files[0]);
   for (const Material& m : scene.materials)
     if (pane_of(m) || m.alpha_mode != Material::Alpha::opaque)
-      throw std::runtime_error(o.files[0] + ": not opaque");
-  std::vector<Portal> portals;
-  for (size_t i = 1; i < o.files.size(); ++i)
-    for (const Portal& p : read_portals(o.files[i]).portals) portals.push_back(p);
+      throw std::runtime_error(files[0] + ": not opaque");
   const Camera camera = scene.camera("");
   const PictureSize size = picture_size(scene, camera, o.width, 0);
-  const Vista vista(scene, camera, size.width, size.height, portals);
+  const Vista vista(scene, camera, size.width, size.height, portals_in(files, 1));
   std::printf(
       "scene\tintegrator\tthreads\tseed\tsamples\tclosest\tshadow\trays\tother\tframe_cpu\traw_cpu"
       "\tframe_wall\traw_wall\n");
   for (int seed = 1; seed <= o.seeds; ++seed)
     for (const std::string& name : o.integrators)
-      for (const int threads : o.threads) measure(o, vista, integrator_named(name), threads, seed);
-}
-
-std::vector<std::string> split(const std::string& list) {
-  std::vector<std::string> parts;
-  std::istringstream in(list);
-  for (std::string part; std::getline(in, part, ',');) parts.push_back(part);
-  return parts;
-}
-
-bool read(int argc, char** argv, Options& o) {
-  for (int i = 1; i < argc; ++i) {
-    const std::string option = argv[i];
-    if (option.rfind("--", 0) != 0) {
-      o.files.push_back(option);
-      continue;
-    }
-    if (++i == argc) return false;
-    const std::string value = argv[i];
-    if (option == "--integrators") {
-      o.integrators = split(value);
-    } else if (option == "--threads") {
-      o.threads.clear();
-      for (const std::string& n : split(value)) o.threads.push_back(std::atoi(n.c_str()));
-    } else if (option == "--seeds") {
-      o.seeds = std::atoi(value.c_str());
-    } else if (option == "--width") {
-      o.width = std::atoi(value.c_str());
-    } else if (option == "--spp") {
-      o.spp = std::atoi(value.c_str());
-    } else {
-      return false;
-    }
-  }
-  return !o.files.empty() && o.seeds > 0 && o.width > 0 && o.spp > 0;
+      for (const std::string& threads : o.threads)
+        measure(files[0], o, vista, integrator_named(name), std::stoi(threads), seed);
 }
 
 }  // namespace
 }  // namespace tdpt
 
 int main(int argc, char** argv) {
-  tdpt::Options options;
-  if (!tdpt::read(argc, argv, options)) {
-    std::fprintf(
-        stderr,
-        "usage: limit_bench SCENE PORTAL... [--integrators A,B] [--threads 1,2] [--seeds N]"
-        " [--width W] [--spp N]\n");
-    return 2;
-  }
-  try {
-    tdpt::run(options);
-  } catch (const std::exception& e) {
-    std::fprintf(stderr, "limit_bench: %s\n", e.what());
-    return 1;
-  }
+  tdpt::Options o;
+  return tdpt::run_bench({argv + 1, argv + argc},
+                         "usage: limit_bench SCENE PORTAL... [--integrators A,B] [--threads 1,2] "
+                         "[--seeds N] [--width W] [--spp N]",
+                         {{"--integrators", &o.integrators},
+                          {"--threads", &o.threads},
+                          {"--seeds", &o.seeds},
+                          {"--width", &o.width},
+                          {"--spp", &o.spp}},
+                         1, [&](const tdpt::Files& files) { tdpt::run(files, o); });
 }

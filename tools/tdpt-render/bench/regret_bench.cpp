@@ -17,13 +17,10 @@
 //   choice SCENE SPP SEED INTEGRATOR  that was chosen, CPU s of the pilot, its groups; pixels; the
 //                                     gain by portals and its interval
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
-#include <cstring>
-#include <sstream>
 
 #include "libcommon/base/process.h"
 #include "libcommon/options/sky_options.h"
+#include "tools/tdpt-render/bench/bench_main.h"
 #include "tools/tdpt-render/plan/exploration.h"
 #include "tools/tdpt-render/plan/work_model.h"
 #include "tools/tdpt-render/testing/rendering.h"
@@ -38,7 +35,7 @@ constexpr double kOfReference = 12;  // its time, in that of an integrator
 struct Settings {
   int width = 96, height = 72, seeds = 8, depth = kMaxDepth;
   double seconds = 2;
-  std::vector<uint64_t> lengths{4, 8, 16, 32, 64, 256};
+  std::vector<std::string> lengths{"4", "8", "16", "32", "64", "256"};
   std::string camera, environment;
   std::string name;  // of the scene in the output; empty: its file
 };
@@ -139,9 +136,10 @@ void print_truths(const char* name, const Vista& vista, const std::vector<Candid
   }
 }
 
-void measure(const char* scene_path, std::vector<Portal> portals, const Settings& s) {
-  const char* const name = s.name.empty() ? scene_path : s.name.c_str();
-  Scene scene = read_gltf(scene_path);
+void measure(const Files& files, const Settings& s) {
+  const char* const name = s.name.empty() ? files[0].c_str() : s.name.c_str();
+  Scene scene = read_gltf(files[0]);
+  std::vector<Portal> portals = portals_in(files, 1);
   std::vector<cli::Common::Input> read;
   SkyArguments sky;
   sky.environment = s.environment;
@@ -156,8 +154,9 @@ void measure(const char* scene_path, std::vector<Portal> portals, const Settings
   if (s.seconds > 0) print_truths(name, vista, candidates, s);
   const auto pixels = static_cast<uint64_t>(s.width) * static_cast<uint64_t>(s.height);
   Film film(s.width, s.height, vista.world->lights.power());
-  for (const uint64_t length : s.lengths)
+  for (const std::string& word : s.lengths)
     for (int seed = 1; seed <= s.seeds; ++seed) {
+      const uint64_t length = std::stoull(word);
       const double cpu = cpu_seconds();
       SampleRules rules;
       rules.max_depth = s.depth;
@@ -186,48 +185,19 @@ void measure(const char* scene_path, std::vector<Portal> portals, const Settings
 }  // namespace tdpt
 
 int main(int argc, char** argv) {
-  using namespace tdpt;
-  Settings settings;
-  std::vector<std::string> files;
-  for (int i = 1; i < argc; ++i) {
-    const bool more = i + 1 < argc;
-    if (!std::strcmp(argv[i], "--width") && more)
-      settings.width = std::atoi(argv[++i]);
-    else if (!std::strcmp(argv[i], "--height") && more)
-      settings.height = std::atoi(argv[++i]);
-    else if (!std::strcmp(argv[i], "--name") && more)
-      settings.name = argv[++i];
-    else if (!std::strcmp(argv[i], "--seeds") && more)
-      settings.seeds = std::atoi(argv[++i]);
-    else if (!std::strcmp(argv[i], "--depth") && more)
-      settings.depth = std::atoi(argv[++i]);
-    else if (!std::strcmp(argv[i], "--camera") && more)
-      settings.camera = argv[++i];
-    else if (!std::strcmp(argv[i], "--environment") && more)
-      settings.environment = argv[++i];
-    else if (!std::strcmp(argv[i], "--lengths") && more) {
-      settings.lengths.clear();
-      std::stringstream of(argv[++i]);
-      for (std::string n; std::getline(of, n, ',');) settings.lengths.push_back(std::stoull(n));
-    } else if (!std::strcmp(argv[i], "--seconds") && more)
-      settings.seconds = std::atof(argv[++i]);
-    else
-      files.emplace_back(argv[i]);
-  }
-  if (files.empty() || settings.width < 1 || settings.height < 1 || !(settings.seconds >= 0)) {
-    std::fprintf(stderr,
-                 "usage: regret_bench SCENE PORTAL... [--width W] [--height H] "
-                 "[--seconds T] [--seeds N] [--lengths N,N...] [--depth N] [--camera NAME] "
-                 "[--environment FILE]\n");
-    return 2;
-  }
-  try {
-    std::vector<Portal> portals;
-    for (size_t i = 1; i < files.size(); ++i)
-      for (const Portal& p : read_portals(files[i]).portals) portals.push_back(p);
-    measure(files[0].c_str(), portals, settings);
-  } catch (const std::exception& e) {
-    std::fprintf(stderr, "regret_bench: %s\n", e.what());
-    return 1;
-  }
+  tdpt::Settings s;
+  return tdpt::run_bench({argv + 1, argv + argc},
+                         "usage: regret_bench SCENE PORTAL... [--width W] [--height H] "
+                         "[--seconds T] [--seeds N] [--lengths N,N...] [--depth N] "
+                         "[--camera NAME] [--environment FILE] [--name NAME]",
+                         {{"--width", &s.width},
+                          {"--height", &s.height},
+                          {"--seconds", &s.seconds},
+                          {"--seeds", &s.seeds},
+                          {"--lengths", &s.lengths},
+                          {"--depth", &s.depth},
+                          {"--camera", &s.camera},
+                          {"--environment", &s.environment},
+                          {"--name", &s.name}},
+                         1, [&](const tdpt::Files& files) { tdpt::measure(files, s); });
 }

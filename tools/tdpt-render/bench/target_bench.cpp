@@ -8,12 +8,9 @@
 //                             SEED, samples fixed, relMSE estimated, low, high, pilot's samples,
 //                             reached
 // Also FOLDER/SEED.reference.exr, the mean of all other pictures, which is independent of it.
-#include <cstdio>
-#include <cstdlib>
-#include <cstring>
-
 #include "libcommon/base/output_file.h"
 #include "libcommon/base/process.h"
+#include "tools/tdpt-render/bench/bench_main.h"
 #include "tools/tdpt-render/testing/rendering.h"
 
 namespace tdpt {
@@ -47,12 +44,9 @@ void write_pictures(const std::string& folder, const std::vector<Picture>& pictu
   }
 }
 
-void measure(const std::vector<std::string>& files, const Settings& s) {
+void measure(const Files& files, const Settings& s) {
   const Scene scene = read_gltf(files[0]);
-  std::vector<Portal> portals;
-  for (size_t i = 2; i < files.size(); ++i)
-    for (const Portal& p : read_portals(files[i]).portals) portals.push_back(p);
-  const Vista vista(scene, scene.camera(""), s.width, s.height, portals);
+  const Vista vista(scene, scene.camera(""), s.width, s.height, portals_in(files, 2));
   std::vector<Candidate> candidates;
   if (s.integrator == "auto") {
     candidates = auto_candidates(vista);
@@ -81,39 +75,18 @@ void measure(const std::vector<std::string>& files, const Settings& s) {
 }  // namespace tdpt
 
 int main(int argc, char** argv) {
-  using namespace tdpt;
-  Settings settings;
-  std::vector<std::string> files;
-  for (int i = 1; i < argc; ++i) {
-    const bool more = i + 1 < argc;
-    const auto is = [&](const char* option) { return more && !std::strcmp(argv[i], option); };
-    if (is("--width"))
-      settings.width = std::atoi(argv[++i]);
-    else if (is("--height"))
-      settings.height = std::atoi(argv[++i]);
-    else if (is("--integrator"))
-      settings.integrator = argv[++i];
-    else if (is("--target"))
-      settings.target = std::atof(argv[++i]);
-    else if (is("--threads"))
-      settings.threads = std::atoi(argv[++i]);
-    else if (is("--seeds"))
-      settings.seeds = std::strtoull(argv[++i], nullptr, 10);
-    else
-      files.emplace_back(argv[i]);
-  }
-  if (files.size() < 2 || settings.width < 1 || settings.height < 1 || settings.seeds < 2 ||
-      settings.threads < 0 || !(settings.target > 0)) {
-    std::fprintf(stderr,
-                 "usage: target_bench SCENE FOLDER [PORTAL...] [--width W] [--height H] "
-                 "[--integrator NAME] [--target E] [--threads N] [--seeds N]\n");
-    return 2;
-  }
-  try {
-    limit_threads(settings.threads);
-    measure(files, settings);
-  } catch (const std::exception& e) {
-    std::fprintf(stderr, "target_bench: %s\n", e.what());
-    return 1;
-  }
+  tdpt::Settings s;
+  return tdpt::run_bench({argv + 1, argv + argc},
+                         "usage: target_bench SCENE FOLDER [PORTAL...] [--width W] [--height H] "
+                         "[--integrator NAME] [--target E] [--threads N] [--seeds N]",
+                         {{"--width", &s.width},
+                          {"--height", &s.height},
+                          {"--integrator", &s.integrator},
+                          {"--target", &s.target},
+                          {"--threads", &s.threads},
+                          {"--seeds", &s.seeds}},
+                         2, [&](const tdpt::Files& files) {
+                           tdpt::limit_threads(s.threads);
+                           tdpt::measure(files, s);
+                         });
 }

@@ -4,13 +4,11 @@
 // bench/work_model.py fits the table to these lines. Give scenes with their portals and without.
 //   --width W --height H --seconds T   default 160 120 2, T of each line
 //   --device gpu[:WHICH]               on a Vulkan device, by the clock; a software one by CPU time
-#include <cstdio>
-#include <cstdlib>
-#include <cstring>
 #include <iterator>
 #include <utility>
 
 #include "libcommon/gpu/device_options.h"
+#include "tools/tdpt-render/bench/bench_main.h"
 #include "tools/tdpt-render/device/gpu_renderer.h"
 #include "tools/tdpt-render/plan/work_model.h"
 #include "tools/tdpt-render/testing/rendering.h"
@@ -41,9 +39,12 @@ struct Options {
   std::string device = "cpu";
 };
 
-void measure(const std::string& scene_path, const std::vector<Portal>& portals, const Options& o) {
-  const Scene scene = read_gltf(scene_path);
-  const Vista vista(scene, scene.camera(""), o.width, o.height, portals);
+void measure(const Files& files, const Options& o) {
+  std::printf("scene\tdepth\tintegrator\tportals\tnanoseconds");
+  for (const auto& [name, member] : kTerms) std::printf("\t%s", name);
+  std::printf("\n");
+  const Scene scene = read_gltf(files[0]);
+  const Vista vista(scene, scene.camera(""), o.width, o.height, portals_in(files, 1));
   const std::optional<gpu::Device> device = device_asked(o.device);
   const std::shared_ptr<SampleRenderer> renderer =
       device ? GpuUpload(*device, vista, {}).renderer(vista) : std::make_shared<CpuRenderer>(vista);
@@ -57,7 +58,7 @@ void measure(const std::string& scene_path, const std::vector<Portal>& portals, 
       const RenderResult r = render(*renderer, c.integrator, settings);
       const auto samples =
           r.spp() * static_cast<uint64_t>(o.width) * static_cast<uint64_t>(o.height);
-      std::printf("%s\t%d\t%s\t%d\t%.6g", scene_path.c_str(), depth, c.label.c_str(),
+      std::printf("%s\t%d\t%s\t%d\t%.6g", files[0].c_str(), depth, c.label.c_str(),
                   Guide(vista, c.integrator.mixture).sees_portals() ? 1 : 0,
                   (by_clock ? r.progress->seconds : r.progress->cpu_seconds) * 1e9 /
                       static_cast<double>(samples));
@@ -76,38 +77,13 @@ void measure(const std::string& scene_path, const std::vector<Portal>& portals, 
 }  // namespace tdpt
 
 int main(int argc, char** argv) {
-  using namespace tdpt;
-  Options o;
-  std::vector<std::string> files;
-  for (int i = 1; i < argc; ++i) {
-    const bool more = i + 1 < argc;
-    if (!std::strcmp(argv[i], "--width") && more)
-      o.width = std::atoi(argv[++i]);
-    else if (!std::strcmp(argv[i], "--height") && more)
-      o.height = std::atoi(argv[++i]);
-    else if (!std::strcmp(argv[i], "--seconds") && more)
-      o.seconds = std::atof(argv[++i]);
-    else if (!std::strcmp(argv[i], "--device") && more)
-      o.device = argv[++i];
-    else
-      files.emplace_back(argv[i]);
-  }
-  if (files.empty() || o.width < 1 || o.height < 1 || !(o.seconds > 0)) {
-    std::fprintf(stderr,
-                 "usage: work_model_bench SCENE PORTAL... [--width W] [--height H] [--seconds T] "
-                 "[--device gpu[:WHICH]]\n");
-    return 2;
-  }
-  try {
-    std::vector<Portal> portals;
-    for (size_t i = 1; i < files.size(); ++i)
-      for (const Portal& p : read_portals(files[i]).portals) portals.push_back(p);
-    std::printf("scene\tdepth\tintegrator\tportals\tnanoseconds");
-    for (const auto& [name, member] : kTerms) std::printf("\t%s", name);
-    std::printf("\n");
-    measure(files[0], portals, o);
-  } catch (const std::exception& e) {
-    std::fprintf(stderr, "work_model_bench: %s\n", e.what());
-    return 1;
-  }
+  tdpt::Options o;
+  return tdpt::run_bench({argv + 1, argv + argc},
+                         "usage: work_model_bench SCENE PORTAL... [--width W] [--height H] "
+                         "[--seconds T] [--device gpu[:WHICH]]",
+                         {{"--width", &o.width},
+                          {"--height", &o.height},
+                          {"--seconds", &o.seconds},
+                          {"--device", &o.device}},
+                         1, [&](const tdpt::Files& files) { tdpt::measure(files, o); });
 }

@@ -19,14 +19,14 @@ gpu::Limits laptop() {
   return limits;
 }
 
-std::string refusal(const gpu::Limits& limits, const DeviceNeeds& needs) {
+void expect_refused(const char* word, const gpu::Limits& limits, const DeviceNeeds& needs) {
   try {
     capacity_on("a device", limits, needs);
+    FAIL() << word;
   } catch (const Error& e) {
     EXPECT_EQ(e.code, Exit::no_device);
-    return e.what();
+    EXPECT_NE(std::string(e.what()).find(word), std::string::npos) << e.what();
   }
-  return "nothing";
 }
 
 TEST(capacity, is_there_on_the_least_device_for_the_longest_paths) {
@@ -58,39 +58,19 @@ TEST(capacity, follows_each_limit) {
   EXPECT_LT(capacity_on("a device", limits, {uint64_t{11} << 28, 0, false, 0}).vertices, plain);
 }
 
-TEST(capacity, that_is_too_little_is_refused_with_both_numbers) {
+TEST(capacity, that_is_too_little_is_refused) {
   gpu::Limits limits = laptop();
-  EXPECT_EQ(refusal(limits, {0, 0, false, 35}), "nothing");
-  EXPECT_EQ(refusal(limits, {0, 0, false, 36}),
-            "a device: a kernel binds 36 buffers, the device allows 35");
+  capacity_on("a device", limits, {0, 0, false, 35});
+  expect_refused("36 buffers", limits, {0, 0, false, 36});
   limits.texels = 1 << 28;
-  EXPECT_EQ(
-      refusal(limits, {(1 << 28) + 1, 0, false, 1}),
-      "a device: the scene takes 268435457 bytes, the device reads no more than 268435456 from "
-      "a buffer");
-  EXPECT_EQ(refusal(limits, {0, 1 << 28, false, 1}),
-            "a device: the film takes 268435456 bytes, the device's largest buffer has 134217728");
+  expect_refused("the scene takes 268435457 bytes", limits, {(1 << 28) + 1, 0, false, 1});
+  expect_refused("the film takes 268435456 bytes", limits, {0, 1 << 28, false, 1});
   limits.texels = uint64_t{1} << 31;
-  const DeviceNeeds many{uint64_t{12} << 27, 0, false, 1};
-  EXPECT_EQ(refusal(limits, many),
-            "a device: scene, film and samples take 1845427200 bytes of memory at least, of the "
-            "device's they may take 1610612736");
+  expect_refused("1845427200 bytes of memory", limits, {uint64_t{12} << 27, 0, false, 1});
   limits.buffer = 1 << 26;
-  EXPECT_EQ(refusal(limits, {}),
-            "a device: samples take 525312 vertices at least, the device holds 466033");
-}
-
-TEST(capacity, of_a_film_that_words_cannot_count_is_refused) {
-  const uint64_t pixels = uint64_t{1} << 32;
-  const uint64_t words = FilmPlaces(1, {}, 0).words + 13 * (pixels - 1);
-  try {
-    FilmPlaces(pixels, {}, 0);
-    FAIL();
-  } catch (const Error& e) {
-    EXPECT_EQ(e.code, Exit::no_device);
-    EXPECT_EQ(e.what(),
-              "the film takes " + std::to_string(words) + " words, kernels count 4294967295");
-  }
+  expect_refused("525312 vertices", limits, {});
+  // Words count no more than 2^32.
+  EXPECT_THROW(FilmPlaces(uint64_t{1} << 32, {}, 0), Error);
 }
 
 TEST(capacity, is_asked_for_before_portals_are_turned_and_tables_follow) {

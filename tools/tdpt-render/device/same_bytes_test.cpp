@@ -2,12 +2,11 @@
 // Vulkan's validation layers report nothing.
 #include <gtest/gtest.h>
 
-#include <chrono>
-
 #include "tools/tdpt-render/device/gpu_renderer.h"
 #include "tools/tdpt-render/plan/candidates.h"
 #include "tools/tdpt-render/testing/device.h"
 #include "tools/tdpt-render/testing/stages.h"
+#include "tools/tdpt-render/testing/surface_scene.h"
 #include "tools/tdpt-render/testing/variant.h"
 
 namespace tdpt::same_bytes_test {
@@ -26,8 +25,6 @@ class device_bytes : public ::testing::Test {
  private:
   std::unique_ptr<gpu::Device> device_;
 };
-
-using long_device_bytes = device_bytes;
 
 // Both machines of a stage, for pictures of up to kWidth x kHeight pixels.
 class Pair {
@@ -66,9 +63,8 @@ class Pair {
   std::unique_ptr<Machine> gpu_, twin_;
 };
 
-// Compiling kernels takes most of the time: most stages use integrators that together run all
-// kernels, one stage uses all integrators. An integrator's kernels are specialised alike for all
-// its samples.
+// Compiling kernels takes most of the time: two stages use integrators that together run all
+// kernels, the others one. An integrator's kernels are specialised alike for all its samples.
 const std::vector<const Integrator*> kFew{&nee, &bdpt, &tdpt_guided};
 
 Samples samples_of(const Integrator& integrator, const SampleRange& range, int depth,
@@ -79,63 +75,83 @@ Samples samples_of(const Integrator& integrator, const SampleRange& range, int d
 }
 
 void expect_all_same(const gpu::Device& device, const Stage& stage,
-                     const std::vector<const Integrator*>& chosen = kFew) {
-  const auto begin = std::chrono::steady_clock::now();
+                     const std::vector<const Integrator*>& chosen = {&tdpt_guided}) {
   const Pair pair(device, stage);
-  const auto expect_same = [&](int width, int height, const Integrator& integrator,
-                               const SampleRange& range, int depth,
-                               const Capacity& room = kEnough) {
-    pair.expect_same(width, height, integrator, samples_of(integrator, range, depth, stage), room);
-  };
   uint64_t seed = 0;
-  for (const Integrator* integrator : chosen)
-    for (const int depth : {1, 2, 3, 8, 16})
-      expect_same(kWidth, kHeight, *integrator, {++seed, 2}, depth);
-  for (const Integrator* integrator : {&bdpt, &tdpt_guided}) {
-    expect_same(1, 1, *integrator, {0, 5}, 5);
-    expect_same(7, 5, *integrator, {0, 3}, 5);
-    expect_same(kWidth, kHeight, *integrator, {0, 2}, 5, {1u << 13, kMostOfCache});
+  for (const Integrator* integrator : chosen) {
+    const auto expect_same = [&](int width, int height, const SampleRange& range, int depth,
+                                 const Capacity& room = kEnough) {
+      pair.expect_same(width, height, *integrator, samples_of(*integrator, range, depth, stage),
+                       room);
+    };
+    for (const int depth : {1, 2, 3, 16}) expect_same(kWidth, kHeight, {++seed, 2}, depth);
+    expect_same(1, 1, {0, 5}, 5);
+    expect_same(7, 5, {0, 3}, 5);
+    expect_same(kWidth, kHeight, {0, 2}, 5, {1u << 13, kMostOfCache});
   }
-  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
-  std::printf("%-12s %.1f s\n", stage.name.c_str(), took.count());
 }
 
+Stage heap_stage() {
+  return {"heap", under(test::SurfaceHeap().scene(), one_colour_sky(Rgb(1))), {}};
+}
+
+// So that no kernel's branch goes without a comparison.
+TEST(stages, use_every_feature_between_them) {
+  std::vector<bool> used(20);
+  for (const Stage& stage : {two_rooms_stage(), door_stage(), materials_stage(), heap_stage(),
+                             lamps_stage(), sky_stage(), culling_stage(), everything_stage()}) {
+    const RenderTables t(stage.vista());
+    const LightTables& l = t.lights;
+    const SurfaceFeatures& f = t.surfaces.features;
+    const std::array<bool, 20> uses{l.has_sky,
+                                    l.has_sky_map,
+                                    l.has_lamps,
+                                    l.has_rect_lights,
+                                    l.has_windows,
+                                    l.prefers,
+                                    l.settings.plain.block > 1,
+                                    l.settings.suns > 0,
+                                    f.layers,
+                                    f.normals,
+                                    f.textures,
+                                    f.colours,
+                                    f.coats,
+                                    f.sheen,
+                                    f.transmission,
+                                    f.absorption,
+                                    f.panes,
+                                    f.coverage,
+                                    f.coverage_textures,
+                                    !t.portals.pairs.empty()};
+    for (size_t i = 0; i < used.size(); ++i) used[i] = used[i] || uses[i];
+  }
+  EXPECT_EQ(used, std::vector<bool>(used.size(), true));
+}
+
+// A test each, so that they run side by side.
 TEST_F(device_bytes, of_plain_rooms) {
-  expect_all_same(device(), two_rooms_stage());
+  expect_all_same(device(), two_rooms_stage(), kFew);
 }
-
 TEST_F(device_bytes, of_many_lamps_behind_a_door) {
   expect_all_same(device(), door_stage());
 }
-
 TEST_F(device_bytes, of_all_materials) {
   expect_all_same(device(), materials_stage());
 }
-
+TEST_F(device_bytes, of_a_heap_of_odd_surfaces) {
+  expect_all_same(device(), heap_stage(), {&bdpt});
+}
 TEST_F(device_bytes, of_lamps_without_surface) {
   expect_all_same(device(), lamps_stage());
 }
-
 TEST_F(device_bytes, of_sky_sun_and_windows) {
   expect_all_same(device(), sky_stage());
 }
-
 TEST_F(device_bytes, of_a_camera_that_culls_and_a_transparent_film) {
   expect_all_same(device(), culling_stage());
 }
-
 TEST_F(device_bytes, of_everything) {
-  expect_all_same(device(), everything_stage(), integrators());
-}
-
-TEST_F(long_device_bytes, of_generated_rooms) {
-  using Kind = testing::RoomKind;
-  for (const Kind kind : {Kind::glazing_bars, Kind::l_room, Kind::lampshade}) {
-    const Stage stage = known_stage(kind, 3);
-    const Pair pair(device(), stage);
-    for (const Integrator* integrator : {&tdpt_org, &tdpt_guided})
-      pair.expect_same(kWidth, kHeight, *integrator, {{0, 2}, {8}});
-  }
+  expect_all_same(device(), everything_stage(), kFew);
 }
 
 // With everything the program adds: the device's own capacity, passes, errors, auto.
@@ -148,30 +164,12 @@ TEST_F(device_bytes, by_the_renderer_that_the_program_has) {
   settings.alpha = settings.layers = settings.halves = true;
   const auto by_device = GpuUpload(device(), vista, {true, true}).renderer(vista);
   ScalarRenderer by_scalar(vista);
-  std::vector<std::vector<Candidate>> all{auto_candidates(vista)};
-  all.push_back({{tdpt_guided, ""}});
-  for (const std::vector<Candidate>& candidates : all) {
-    const RenderResult a = render(*by_device, candidates, settings),
-                       b = render(by_scalar, candidates, settings);
-    EXPECT_EQ(a.plan.forecast.best, b.plan.forecast.best);
-    EXPECT_EQ(outcome_of(a.progress->film, a.progress->tally),
-              outcome_of(b.progress->film, b.progress->tally))
-        << candidates[0].integrator.name;
-  }
-}
-
-TEST_F(long_device_bytes, of_the_papers_scenes) {
-  size_t there = 0;
-  for (const char* name : {"cornell-box", "veach-ajar", "bathroom2"}) {
-    const std::string path = TDPT_SHARED "/scenes/" + std::string(name) + ".glb";
-    if (!std::filesystem::exists(path)) continue;
-    ++there;
-    const Stage stage{name, read_gltf(path), {}};
-    const Pair pair(device(), stage);
-    for (const Integrator* integrator : {&nee, &bdpt})
-      pair.expect_same(kWidth, kHeight, *integrator, {{0, 1}, {6}});
-  }
-  if (there == 0) GTEST_SKIP() << "the paper's scenes are not here";
+  const std::vector<Candidate> candidates = auto_candidates(vista);
+  const RenderResult a = render(*by_device, candidates, settings),
+                     b = render(by_scalar, candidates, settings);
+  EXPECT_EQ(a.plan.forecast.best, b.plan.forecast.best);
+  EXPECT_EQ(outcome_of(a.progress->film, a.progress->tally),
+            outcome_of(b.progress->film, b.progress->tally));
 }
 
 // Twin: one wrong bit in a table makes another picture.

@@ -50,24 +50,13 @@ void expect_sums(const std::vector<uint32_t>& counts, const Sums& sums) {
   EXPECT_EQ(sums.all, std::accumulate(counts.begin(), counts.end(), 0u)) << counts.size();
 }
 
-TEST(scan, is_that_of_the_standard_library_for_any_size) {
+TEST(scan, is_that_of_the_standard_library) {
   gpu::Device device = gpu::Device::open();
-  for (const uint32_t n : {0u, 1u, 15u, 16u, 17u, 63u, 64u, 65u, 1023u, 1024u, 1025u, 65535u,
-                           65536u, 65537u, 100003u, 3000001u})
-    for (const uint32_t most : {1u, 5u}) {
+  for (const uint32_t n : {0u, 1u, 63u, 64u, 65u, 1023u, 1024u, 1025u, 65536u, 65537u, 1000001u})
+    for (const uint32_t most : {1u, 5u, ~0u}) {  // sums may wrap round as words do
       const std::vector<uint32_t> all = counts(n, most);
-      expect_sums(all, device_sums(device, all));
+      expect_sums(all, device_sums(device, all, most == 5));
     }
-}
-TEST(scan, sums_may_take_the_place_of_counts) {
-  gpu::Device device = gpu::Device::open();
-  const std::vector<uint32_t> all = counts(100003, 3);
-  expect_sums(all, device_sums(device, all, true));
-}
-TEST(scan, sums_wrap_round_as_words_do) {
-  gpu::Device device = gpu::Device::open();
-  const std::vector<uint32_t> all = counts(5000, ~0u);
-  expect_sums(all, device_sums(device, all));
 }
 
 }  // namespace tdpt::scan_test

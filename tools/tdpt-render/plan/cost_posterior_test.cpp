@@ -78,11 +78,9 @@ Lost lost() {
 }
 
 TEST(cost_posterior, noise_does_not_win_a_choice) {
-  EXPECT_LT(lost().judged, 35);  // of 162
-}
-
-TEST(cost_posterior, twin_of_plain_minima_it_wins) {
-  EXPECT_GT(lost().plainly, 60);
+  const Lost sum = lost();
+  EXPECT_LT(sum.judged, 35);   // of 162
+  EXPECT_GT(sum.plainly, 60);  // twin: of plain minima it does
 }
 
 // Paths that carry half of the light, and most of its square: the one that guides to the portal
@@ -104,10 +102,7 @@ double cost_of_the_choice(uint64_t samples) {
 
 TEST(cost_posterior, what_no_sample_has_met_counts_where_samples_are_few) {
   EXPECT_LT(cost_of_the_choice(512), 2);
-}
-
-TEST(cost_posterior, twin_where_all_counts_as_seen_it_is_chosen_blindly) {
-  EXPECT_GT(cost_of_the_choice(kMany), 10);
+  EXPECT_GT(cost_of_the_choice(kMany), 10);  // twin: all counts as seen
 }
 
 // Share of the trials whose interval holds the true ratio, in a world as scenes are: portals are
@@ -137,10 +132,7 @@ TEST(cost_posterior, intervals_hold_the_truth) {
   const double share = held(false);
   EXPECT_GT(share, 0.85);
   EXPECT_LT(share, 0.99);
-}
-
-TEST(cost_posterior, twin_intervals_do_not_where_noise_is_not_known) {
-  EXPECT_LT(held(true), 0.75);
+  EXPECT_LT(held(true), 0.75);  // twin: the noise is not known
 }
 
 TEST(cost_posterior, of_what_is_known_well_is_the_measurement) {

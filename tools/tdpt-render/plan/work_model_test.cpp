@@ -37,9 +37,7 @@ TEST_F(WorkModelTest, of_what_has_no_use_for_portals_has_a_table_of_its_own) {
   EXPECT_NEAR(of(one_, bdpt, {0, kSamples, 0}), c.sample + c.shadow, 1e-9);
   EXPECT_EQ(of({}, tdpt_guided), of({}, bdpt));
   EXPECT_EQ(of(two_, bdpt), of({}, bdpt));
-}
-
-TEST_F(WorkModelTest, of_a_device_has_tables_of_its_own) {
+  // A device has tables of its own.
   EXPECT_EQ(of(one_, bdpt, {0, kSamples, 0}, true), kDeviceWorkWithoutPortals.shadow);
   EXPECT_EQ(of(one_, tdpt_guided, {0, kSamples, 0}, true), kDeviceWorkWithPortals.shadow);
 }

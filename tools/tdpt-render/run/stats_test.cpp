@@ -5,16 +5,16 @@
 #include <nlohmann/json.hpp>
 
 #include "tools/tdpt-render/run/report.h"
-#include "tools/tdpt-render/testing/renderer.h"
+#include "tools/tdpt-render/testing/rendering.h"
 #include "tools/tdpt-render/testing/rooms.h"
 #include "tools/tdpt-render/testing/variant.h"
 
 namespace tdpt::stats_test {
 
-RenderResult render_rooms(Job settings, const Integrator& integrator = tdpt_org) {
+RenderResult render_rooms(const Job& settings) {
   const Scene scene = read_gltf(two_rooms_path());
   const Vista vista(scene, scene.camera(""), 24, 18, {portal_in_the_hole()});
-  return render(*renderer_under_test(vista), integrator, settings);
+  return render(vista, tdpt_org, settings);
 }
 
 Job with_frames(uint64_t spp) {
@@ -51,23 +51,19 @@ TEST(frames, end_with_the_picture_itself) {
   EXPECT_LE(r.frames.back().cpu_seconds, r.progress->cpu_seconds);
 }
 
-TEST(frames, are_what_a_shorter_rendering_gives) {
+TEST(frames, are_what_a_shorter_rendering_gives_and_change_no_bit_of_the_picture) {
   const RenderResult r = render_rooms(with_frames(20));
   Job settings;
+  settings.limits.spp = 20;
+  const RenderResult without = render_rooms(settings);
+  EXPECT_EQ(r.picture.pixels, without.picture.pixels);
+  EXPECT_TRUE(without.frames.empty());
   settings.limits.spp = 7;
   const RenderResult shorter = render_rooms(settings);
   EXPECT_EQ(r.frames[6].spp, 7u);
   EXPECT_EQ(r.frames[6].mean, shorter.mean());
   EXPECT_EQ(r.frames[6].nonzero, shorter.nonzero());
   EXPECT_NE(r.frames[7].mean, shorter.mean());  // twin: the next one is another picture
-}
-
-TEST(frames, do_not_change_a_bit_of_the_picture) {
-  Job settings;
-  settings.limits.spp = 20;
-  const RenderResult without = render_rooms(settings);
-  EXPECT_EQ(render_rooms(with_frames(20)).picture.pixels, without.picture.pixels);
-  EXPECT_TRUE(without.frames.empty());
 }
 
 TEST(frames, stand_in_the_statistics) {
@@ -100,24 +96,17 @@ struct Spoilt {
     Job settings;
     settings.limits.spp = spp;
     settings.max_depth = max_depth;
-    result = render(*renderer_under_test(vista), integrator, settings);
+    result = render(vista, integrator, settings);
   }
 
   static constexpr int width = 32, height = 24;
   static constexpr uint64_t spp = 4;
 };
 
-// Kernels may turn NaN or infinity into any number: they are tested with numbers too large for
-// films.
-const std::vector<float> kNoNumbers =
-    kByScalar ? std::vector{1e30f, 3e38f}
-              : std::vector{std::numeric_limits<float>::quiet_NaN(),
-                            std::numeric_limits<float>::infinity(), 1e30f};
-
 TEST(not_finite, is_counted_and_placed_and_left_out_of_the_picture) {
   const Scene furnace = read_gltf(furnace_path());
   const float emission = furnace.materials[furnace.triangles[0].material].emission.x;
-  for (const float value : kNoNumbers) {
+  for (const float value : {NAN, INFINITY, 1e30f}) {
     const Spoilt room(value);
     const RenderResult& r = room.result;
     // The samples missing from the pixels give the expected count.
@@ -136,9 +125,7 @@ TEST(not_finite, is_counted_and_placed_and_left_out_of_the_picture) {
       const auto i = static_cast<size_t>(place.y * Spoilt::width + place.x);
       EXPECT_LT(r.picture.pixels[i].x, 0.99f * emission);
     }
-    const Job settings;
-    const auto stats = stats_of(settings, pt, {}, r);
-    EXPECT_EQ(stats["not_finite"], r.tally.not_finite);
+    EXPECT_EQ(stats_of(Job(), pt, {}, r)["not_finite"], r.tally.not_finite);
   }
 }
 
@@ -149,8 +136,8 @@ TEST(not_finite, twin_a_sound_scene_has_none) {
 }
 
 TEST(not_finite, never_reaches_the_picture_by_any_technique) {
-  for (const Integrator* integrator : integrators_under_test()) {
-    const Spoilt room(kNoNumbers[0], 5, *integrator);
+  for (const Integrator* integrator : integrators()) {
+    const Spoilt room(NAN, 5, *integrator);
     EXPECT_GT(room.result.tally.not_finite, 0u) << integrator->name;
     EXPECT_TRUE(std::all_of(room.result.picture.pixels.begin(), room.result.picture.pixels.end(),
                             [](const Rgb& p) { return is_finite(p); }))
@@ -161,20 +148,17 @@ TEST(not_finite, never_reaches_the_picture_by_any_technique) {
 
 TEST(integrators, say_which_light_they_miss) {
   Scene scene = read_gltf(furnace_path());
-  for (const Integrator* integrator : integrators_under_test())
+  for (const Integrator* integrator : integrators())
     EXPECT_EQ(light_missed(*integrator, scene), "") << integrator->name;
   scene.lights.emplace_back();
-  EXPECT_EQ(light_missed(pt, scene),
-            "pt meets no lamp without surface: the light of those is missing");
+  EXPECT_NE(light_missed(pt, scene), "");
   EXPECT_EQ(light_missed(nee, scene), "");
   EXPECT_EQ(light_missed(tdpt_ref, scene), "");
   scene.materials[0].plain = false;
   scene.materials[0].metallic = 1;
   scene.materials[0].roughness = 0;
-  EXPECT_EQ(light_missed(nee, scene),
-            "nee misses what smooth surfaces throw of the light of lamps without surface");
-  EXPECT_EQ(light_missed(tdpt_ref, scene),
-            "tdpt misses light of lamps without surface that smooth surfaces throw and show again");
+  EXPECT_NE(light_missed(nee, scene).find("nee misses"), std::string::npos);
+  EXPECT_NE(light_missed(tdpt_ref, scene).find("tdpt misses"), std::string::npos);
   EXPECT_EQ(light_missed(bdpt, scene), "");
   EXPECT_EQ(light_missed(tdpt_org, scene), "");
 }

@@ -32,10 +32,9 @@ inline std::map<std::string, Picture> layers_of(const RenderResult& result) {
   return layers;
 }
 
-/// For the scalar build, which takes ten times as long per sample: a few that run all kernels
-/// between them.
+/// For the scalar build, which takes ten times as long per sample: a few.
 inline std::vector<const Integrator*> integrators_under_test() {
-  if (kByScalar) return {&pt, &nee, &tdpt_org, &tdpt_guided};
+  if (kByScalar) return {&pt, &tdpt_guided};
   return integrators();
 }
 

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "libcommon/math/rng.h"
 #include "libcommon/scene/scene.h"
 
 namespace tdpt {
@@ -35,6 +36,18 @@ inline Sky::Map uneven_map() {
       if (y >= 6 && y < 8 && x >= 21 && x < 25) texel = Rgb(30, 25, 20);
       if (y >= 8 && std::abs(x - 16) < 6) texel = {};
     }
+  return map;
+}
+/// 320 x 160, uneven, with one bright texel and a black band.
+inline Sky::Map fine_map(const Rgb& brightest = {3000, 2000, 1000}) {
+  Sky::Map map{320, 160, {}};
+  for (int y = 0; y < map.height; ++y)
+    for (int x = 0; x < map.width; ++x) {
+      const float f =
+          0.1f + static_cast<float>(mix64(static_cast<uint64_t>(y * map.width + x)) % 64) / 64;
+      map.texels.push_back(y > 100 && y < 115 ? Rgb{} : Rgb(f, 0.8f * f, 1.2f * f));
+    }
+  map.texels[34 * 320 + 250] = brightest;
   return map;
 }
 /// Rotated by 0.3 rad.

@@ -2,6 +2,8 @@
 #pragma once
 #include <filesystem>
 
+#include "libcommon/scene/ies.h"
+#include "libcommon/testing/files/ies_text.h"
 #include "libcommon/testing/files/temp_folder.h"
 #include "libcommon/testing/rooms/glossy_rooms.h"
 #include "libcommon/testing/rooms/known_rooms.h"
@@ -91,6 +93,26 @@ inline void add_lamps_without_surface(Scene& scene) {
     scene.lights.push_back(light);
   }
 }
+/// Two lamps of one profile and one of another.
+inline Scene with_luminaires(Scene scene) {
+  const testing::IesText even{.vertical = {0, 45, 120}, .candela = {3, 2, 1}};
+  const testing::IesText uneven{.vertical = {0, 10, 30, 75},
+                                .horizontal = {0, 90, 180},
+                                .candela = {9, 8, 5, 0, 9, 7, 1, 2, 9, 9, 9, 0}};
+  PunctualLight lamp;
+  for (const Vec3d& towards : {Vec3d(0, -1, 0), Vec3d(1, 2, -0.4), Vec3d(-1, 0.1, 0)}) {
+    if (!lamp.profile || lamp.profile->words.size() < 10)
+      lamp.profile = std::make_shared<LightProfile>(
+          read_ies((lamp.profile ? uneven : even).text(), "lamp.ies", ""));
+    lamp.position = scene.frame.to_canonical(Vec3d{3, 1, 0} + 0.4 * towards);
+    lamp.direction = normalize(towards);
+    lamp.across = normalize(cross(lamp.direction, Vec3d(0.3, 0.1, 1)));
+    lamp.intensity = Rgb(1, 0.8f, 0.5f);
+    scene.lights.push_back(lamp);
+  }
+  return scene;
+}
+
 /// Lamps without surface of all kinds, lighting surfaces that are more than diffuse.
 inline Stage lamps_stage() {
   Scene scene = read_bytes(testing::glossy_rooms(
@@ -150,7 +172,8 @@ inline Stage everything_stage() {
   add_lamps_without_surface(scene);
   std::vector<Portal> portals{kWideWindow, rectangle({4.1, 0, -1}, {0, 0, 2}, {0, 2, 0})};
   portals[1].both_ways = true;
-  return {"everything", under(scene, uneven_sky({kLowSun})), portals, true};
+  const auto sky = std::make_shared<Sky>(fine_map(Rgb(2)), 0.3, std::vector{kLowSun});
+  return {"everything", under(with_luminaires(scene), sky), portals, true};
 }
 
 /// A generated room, with portals in its apertures.

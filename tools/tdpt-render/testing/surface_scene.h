@@ -15,6 +15,10 @@ class SurfaceHeap {
     for (int i = 0; i < 3; ++i) add_image(i);
     for (uint32_t i = 0; i < kMaterials; ++i) scene_.materials.push_back(material(i));
     for (uint32_t i = 0; i < kTriangles; ++i) add_triangle(i, reach);
+    scene_.cameras.resize(1);
+    Camera& camera = scene_.cameras[0];
+    camera.position = {0, 0, 3}, camera.right = {1, 0, 0}, camera.up = {0, 1, 0};
+    camera.forward = {0, 0, -1};
   }
   const Scene& scene() const { return scene_; }
 

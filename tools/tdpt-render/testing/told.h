@@ -10,7 +10,7 @@ namespace tdpt {
 /// pictures of 16 samples.
 inline double error_of_pictures(const Vista& vista, const Integrator& integrator,
                                 int max_depth = kMaxDepth) {
-  constexpr int kPictures = 48;
+  constexpr int kPictures = 24;
   Job settings;
   settings.limits.spp = 16;
   settings.max_depth = max_depth;
