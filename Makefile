@@ -10,6 +10,8 @@
 #   make package-test   installs that on a bare system of the same release and tries it there (as root; BARE=FOLDER)
 #   make tarball        packs build/tdpt-VERSION-linux-MACHINE.tar.gz: programs with their libraries, nothing to install
 #   make tarball-test   tries that on bare Debian 12 and 13 (as root; BARE=FOLDER)
+#   make wheel          packs the same for pip, build/tdpt_render-VERSION-TAG.whl, and Blender's extension with its programs
+#   make wheel-test     installs that on bare Debian 12 and 13, and in the Blender of `make peers` (as root; BARE=FOLDER)
 #   make packages       installs the Debian packages that are missing
 #
 #   make test           installs what is missing, builds, and runs every test
@@ -38,7 +40,7 @@ TEST_STATUS ?=
 DEMO_PROGRAMS = ffgraph mincut lightgrid portalfit tdpt-render exrdiff exrmerge exrdenoise
 PROGRAMS = $(DEMO_PROGRAMS) tdpt-info tdpt-import tdpt
 
-.PHONY: all help build programs demo figures stages bench peers test test-long test-slurm test-report install uninstall tarball tarball-test package package-test sanitize fuzz packages format clean
+.PHONY: all help build programs demo figures stages bench peers test test-long test-slurm test-report install uninstall tarball tarball-test wheel wheel-test package package-test sanitize fuzz packages format clean
 all: build
 
 help:
@@ -133,6 +135,16 @@ tarball-test: tarball
 	@sh cmake/install-packages.sh cmake/packages-package-test.txt
 	@for suite in bookworm trixie; do \
 	  sh .ci/tarball.sh build/tdpt-*-linux-*.tar.gz "$(or $(BARE),build/bare)/$$suite" $$suite || exit 1; done
+
+wheel: tarball
+	@python3 -B cmake/wheel.py build/tdpt-*-linux-*.tar.gz build
+
+wheel-test: wheel
+	@sh cmake/install-packages.sh cmake/packages-package-test.txt
+	@for suite in bookworm trixie; do \
+	  sh .ci/wheel.sh build/tdpt_render-*.whl build/tdpt-*-linux-*.tar.gz "$(or $(BARE),build/bare)/$$suite" $$suite || exit 1; done
+	@sh tools/blender/blender_test.sh build/peers/venv/bin/python build/bin "$$(echo "$$PWD"/build/tdpt-blender-*.zip)" \
+	  tools/blender/zip_test.py || [ $$? = 77 ]
 
 package:
 	@sh cmake/install-packages.sh

@@ -77,14 +77,11 @@ def make_real():
         original = instance.object.original
         if parent.original.hide_render or original == parent.original:
             continue  # text and curves are instances of themselves
-        if not instance.show_self:
-            continue
-        if instance.object.type != "MESH":
+        if not instance.show_self or instance.object.type != "MESH":
             continue
         key = instance.object.data
         if key not in meshes:
-            mesh = bpy.data.meshes.new_from_object(instance.object)
-            meshes[key] = mesh
+            meshes[key] = bpy.data.meshes.new_from_object(instance.object)
         made.setdefault(parent.original, []).append((meshes[key], instance.matrix_world.copy()))
     for parent, copies in sorted(made.items(), key=lambda pair: pair[0].name):
         for number, (mesh, matrix) in enumerate(copies):

@@ -1,8 +1,10 @@
 """The portals of a scene: meshes in a collection, which can be moved, hidden and edited, and area lamps for Cycles."""
+import math
 import os
 
 import bpy
 from mathutils import Matrix, Vector
+from mathutils.geometry import box_fit_2d, normal
 
 from . import gltf_file
 
@@ -34,36 +36,18 @@ def make_collection(parent, name, mark):
     return found
 
 
-def normal_of(corners, triangles):
-    total = Vector((0, 0, 0))
-    for a, b, c in triangles:
-        total += (corners[b] - corners[a]).cross(corners[c] - corners[a])
-    return total.normalized()
-
-
-def rectangle(corners, normal):
-    """(matrix, width, height) of the rectangle of least area around them, in their plane, for a lamp that shines along the
-    normal, which is its -Z."""
-    best = None
-    for i, a in enumerate(corners):
-        for b in corners[i + 1 :]:
-            x = (b - a) - normal * (b - a).dot(normal)
-            if x.length < 1e-9:
-                continue
-            x.normalize()
-            y = normal.cross(x)
-            along, across = [c.dot(x) for c in corners], [c.dot(y) for c in corners]
-            low, high = Vector((min(along), min(across))), Vector((max(along), max(across)))
-            size = high - low
-            if best is None or size.x * size.y < best[0]:
-                best = (size.x * size.y, x, y, (low + high) / 2, size)
-    _, x, y, middle, size = best
-    if abs(x.z) > abs(y.z):  # height along the more vertical side
-        x, y, middle, size = y, -x, Vector((middle.y, -middle.x)), Vector((size.y, size.x))
-    origin = x * middle.x + y * middle.y + normal * corners[0].dot(normal)
-    matrix = Matrix((x, -y, -normal)).transposed().to_4x4()
-    matrix.translation = origin
-    return matrix, size.x, size.y
+def rectangle(corners):
+    """(matrix, width, height) of the rectangle of least area around the corners of a polygon, in its plane, for a lamp that shines
+    along its normal, which is the lamp's -Z."""
+    front = normal(corners)
+    turn = front.to_track_quat("-Z", "Y").to_matrix()
+    turn @= Matrix.Rotation(-box_fit_2d([(turn.transposed() @ c).xy for c in corners]), 3, "Z")
+    if abs(turn[2][0]) > abs(turn[2][1]):  # height along the more vertical side
+        turn @= Matrix.Rotation(math.pi / 2, 3, "Z")
+    sides = list(zip(*(turn.transposed() @ c for c in corners)))
+    low, high = (Vector(map(end, sides)) for end in (min, max))
+    matrix = Matrix.Translation(turn @ ((low + high) / 2)) @ turn.to_4x4()
+    return matrix, *(high - low).xy
 
 
 def remove_found(collection):
@@ -91,10 +75,10 @@ def mesh_of(name, corners, triangles, figures):
     return thing
 
 
-def lamp_of(name, corners, normal):
+def lamp_of(name, corners):
     lamp = bpy.data.lights.new(name, "AREA")
     lamp.shape = "RECTANGLE"
-    matrix, lamp.size, lamp.size_y = rectangle(corners, normal)
+    matrix, lamp.size, lamp.size_y = rectangle(corners)
     lamp.energy = 0  # in renderers that do not know portals
     lamp.cycles.is_portal = True
     thing = bpy.data.objects.new(name, lamp)
@@ -113,7 +97,7 @@ def place(scene, found):
         corners = [z_up(c) for c in corners]
         meshes.objects.link(mesh_of(name, corners, triangles, figures))
         if lets_in_sky(figures):
-            lamps.objects.link(lamp_of(name + " for Cycles", corners, normal_of(corners, triangles)))
+            lamps.objects.link(lamp_of(name + " for Cycles", corners))
     return meshes
 
 

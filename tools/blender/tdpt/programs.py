@@ -1,9 +1,9 @@
 """Finds the programs and runs them beside Blender, which stays usable. A generator that runs one gives (share done, words) until
 the program has ended, and stops it when it is closed."""
 import contextlib
+import importlib
 import json
 import os
-import signal
 import subprocess
 import sys
 import tempfile
@@ -21,11 +21,14 @@ class Failure(Exception):
 
 
 def folders():
-    """Where the programs may be, the likeliest first: the preference, beside this folder, the PATH, the usual places."""
+    """Where the programs may be, the likeliest first: the preference, the wheel that a zip for one platform brings, beside this
+    folder, the PATH, the usual places."""
     addon = bpy.context.preferences.addons.get(__package__)
     given = bpy.path.abspath(addon.preferences.folder) if addon and addon.preferences and addon.preferences.folder else ""
     if given:
         yield from (given, os.path.join(given, "bin"))
+    with contextlib.suppress(ImportError, AttributeError, OSError):  # before Blender 4.2 this extension is itself called tdpt
+        yield importlib.import_module("tdpt").bundled()
     # As installed, this folder is share/tdpt/blender/tdpt beside bin.
     yield os.path.abspath(os.path.join(HERE, *[os.pardir] * 4, "bin"))
     yield from os.environ.get("PATH", "").split(os.pathsep)
@@ -54,8 +57,10 @@ def blender(script, *words):
 
 
 def environment():
-    """For a program of ours: without the Python of Blender, and with Debian's before others that lack numpy."""
+    """For a program of ours: without the Python of Blender, and with Debian's before others that lack numpy. A Blender with factory
+    settings would remove the wheels of this one's extensions."""
     env = {key: value for key, value in os.environ.items() if key not in ("PYTHONHOME", "LD_PRELOAD")}
+    env["BLENDER_USER_EXTENSIONS"] = os.path.join(session_folder(), "extensions")
     if bpy.app.binary_path:
         env.pop("PYTHONPATH", None)
         env["PATH"] = os.pathsep.join(["/usr/bin", env.get("PATH", "")])
@@ -64,11 +69,10 @@ def environment():
 
 def stop(process):
     """Politely first: tdpt stops its own programs."""
-    if process.poll() is None:
-        process.send_signal(signal.SIGTERM)
-        with contextlib.suppress(subprocess.TimeoutExpired):
-            process.wait(5)
-    if process.poll() is None:
+    process.terminate()
+    try:
+        process.wait(5)
+    except subprocess.TimeoutExpired:
         process.kill()
         process.wait()
 
