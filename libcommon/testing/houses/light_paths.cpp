@@ -19,7 +19,7 @@
 namespace tdpt::testing {
 namespace {
 
-constexpr uint64_t kStream = 0x7061'7468;
+constexpr uint64_t kPathStream = 0x7061'7468;
 constexpr uint64_t kBlock = 4096;  // walks with a reservoir of their own
 constexpr double kFar = 8;         // distance of the sky [scene sizes]
 
@@ -38,7 +38,7 @@ class Walker {
       : scene_(scene), lights_(scene), tracer_(scene, camera.culls), film_(camera, 1600, 900) {}
 
   void walk(uint64_t index, int depth, Block& block) const {
-    Rng rng(1, kStream, index);
+    Rng rng(1, kPathStream, index);
     const double x = rng.uniform() * film_.width(), y = rng.uniform() * film_.height();
     Vec3d w = film_.direction(x, y);
     Hit hit;
@@ -127,7 +127,7 @@ LightPaths light_paths(const Scene& scene, const Camera& camera, uint64_t walks,
   if (!(total > 0)) return out;
   out.effective = total * total / squares;
   // Systematic resampling of blocks; within a block each kept path is a draw of its own.
-  Rng rng(1, kStream + 1, 0);
+  Rng rng(1, kPathStream + 1, 0);
   const double step = total / static_cast<double>(count), first = rng.uniform() * step;
   double before = 0, next = first;
   for (Block& b : blocks) {

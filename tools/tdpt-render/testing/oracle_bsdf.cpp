@@ -180,8 +180,8 @@ struct OrientedBsdf {
 };
 
 // The microfacet that connects view.from and `to` (mirrored like it), with its Jacobians.
-struct Facet {
-  Facet(const OrientedBsdf& view, const Vec3d& to) : reflects(to.z > 0) {
+struct MicroFacet {
+  MicroFacet(const OrientedBsdf& view, const Vec3d& to) : reflects(to.z > 0) {
     if (!reflects && !positive(view.through)) return;
     const bool bends = !reflects && view.solid;
     const Vec3d way = bends ? view.from * view.n_from + to * view.n_behind
@@ -221,7 +221,7 @@ Vec3d f(const Bsdf& b, const Vec3d& from, const Vec3d& to) {
   const double coat = std::min(view.under_coat(view.from), view.under_coat(w));
   Vec3d all;
   if (w.z > 0) all += view.diffuse_lobe(w);
-  const Facet m(view, w);
+  const MicroFacet m(view, w);
   if (view.rough() && m.there) {
     const Vec3d F = view.fresnel(m.cos);
     all += (m.reflects ? F : view.transmittance(F)) *
@@ -240,7 +240,7 @@ double pdf_w(const Bsdf& b, const Vec3d& from, const Vec3d& to) {
   const auto [diffuse, sheen] = view.shares();
   if (diffuse < 0) return 0;
   double pdf = w.z > 0 ? (diffuse * w.z + 0.5 * sheen) * inv_pi : 0;
-  const Facet m(view, w);
+  const MicroFacet m(view, w);
   if (!view.rough() || !m.there) return pdf;
   const double reflect = view.reflect_probability(view.fresnel(m.cos));
   const double of_h = ggx_d(m.h, view.alpha) * g1(view.from, view.alpha) * m.cos / view.from.z;
