@@ -1,12 +1,10 @@
 #include "libcommon/base/child_process.h"
 
-#include <algorithm>
 #include <cerrno>
 #include <csignal>
 #include <cstring>
 #include <exception>
 #include <filesystem>
-#include <string>
 
 #include <fcntl.h>
 #include <sys/prctl.h>

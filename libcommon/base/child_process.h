@@ -1,7 +1,6 @@
 // Other processes, none of which outlives this one: programs started without a shell, and work in a
 // copy of this process.
 #pragma once
-#include <cstdint>
 #include <cstdio>
 #include <functional>
 #include <optional>

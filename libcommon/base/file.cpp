@@ -1,7 +1,6 @@
 #include "libcommon/base/file.h"
 
 #include <algorithm>
-#include <array>
 #include <atomic>
 #include <cerrno>
 #include <charconv>
@@ -10,13 +9,11 @@
 #include <cstring>
 #include <filesystem>
 #include <memory>
-#include <string_view>
 
 #include <fmt/format.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "libcommon/base/error.h"
 #include "libcommon/base/words.h"
 
 namespace tdpt {

@@ -1,6 +1,5 @@
 #include "libcommon/cli/cli.h"
 
-#include <cerrno>
 #include <csignal>
 #include <cstdio>
 #include <cstring>
@@ -14,7 +13,6 @@
 #include "libcommon/base/error.h"
 #include "libcommon/base/progress.h"
 #include "libcommon/cli/options_impl.h"
-#include "libcommon/cli/outputs.h"
 #include "tdpt_version.h"
 
 namespace tdpt::cli {

@@ -3,10 +3,8 @@
 #include <algorithm>
 #include <charconv>
 #include <cstdint>
-#include <string>
 #include <utility>
 
-#include <fmt/format.h>
 #include <unistd.h>
 
 #include "libcommon/base/error.h"

@@ -1,14 +1,12 @@
 #include "libcommon/denoise/filter_picture.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include <fmt/format.h>
 
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
 #include "libcommon/base/words.h"
-#include "libcommon/denoise/buffers.h"
 #include "libcommon/denoise/oidn.h"
 #include "libcommon/denoise/planes.h"
 

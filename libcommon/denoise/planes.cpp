@@ -1,7 +1,6 @@
 #include "libcommon/denoise/planes.h"
 
 #include <algorithm>
-#include <array>
 #include <atomic>
 #include <cmath>
 

@@ -1,7 +1,6 @@
 #include "libcommon/film/film_file.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
@@ -11,7 +10,6 @@
 
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
-#include "libcommon/base/provenance.h"
 #include "libcommon/base/words.h"
 #include "libcommon/formats/format_version.h"
 

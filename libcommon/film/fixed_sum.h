@@ -5,7 +5,6 @@
 // are the same in every run.
 #pragma once
 #include <atomic>
-#include <cmath>
 #include <cstdint>
 
 namespace tdpt {

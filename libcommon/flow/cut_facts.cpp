@@ -1,7 +1,5 @@
 #include "libcommon/flow/cut_facts.h"
 
-#include <algorithm>
-
 #include <fmt/format.h>
 
 #include "libcommon/base/words.h"

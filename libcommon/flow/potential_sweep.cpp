@@ -10,7 +10,6 @@
 // end reaches them better, even if both reach all of them.
 #include "libcommon/flow/potential_sweep.h"
 
-#include <algorithm>
 #include <cmath>
 #include <numeric>
 

@@ -2,11 +2,9 @@
 // between them.
 #include "libcommon/formats/cut.h"
 
-#include <algorithm>
 #include <iterator>
 
 #include "libcommon/base/file.h"
-#include "libcommon/base/provenance.h"
 #include "libcommon/formats/patch_lines.h"
 
 namespace tdpt {

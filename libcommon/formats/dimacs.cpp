@@ -4,7 +4,6 @@
 #include <optional>
 
 #include "libcommon/base/file.h"
-#include "libcommon/base/provenance.h"
 #include "libcommon/formats/patch_lines.h"
 
 namespace tdpt {

@@ -4,7 +4,6 @@
 #include <string>
 #include <vector>
 
-#include "libcommon/base/provenance.h"
 #include "libcommon/flow/cut_facts.h"
 #include "libcommon/formats/cut.h"
 

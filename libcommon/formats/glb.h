@@ -1,6 +1,5 @@
 // A .glb that is being written: its JSON, and the binary part that the JSON describes.
 #pragma once
-#include <algorithm>
 #include <cstdint>
 #include <limits>
 #include <string>

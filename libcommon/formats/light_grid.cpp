@@ -2,7 +2,6 @@
 // light in the right place; a header in the file's metadata has the box of the dense arrays.
 #include "libcommon/formats/light_grid.h"
 
-#include <algorithm>
 #include <new>
 #include <optional>
 #include <set>

@@ -4,7 +4,6 @@
 #include <cstdio>
 #include <string>
 #include <type_traits>
-#include <vector>
 
 #include "libcommon/base/child_process.h"
 #include "libcommon/base/error.h"

@@ -3,7 +3,6 @@
 #include <iterator>
 #include <string_view>
 #include <tuple>
-#include <utility>
 
 #include <fmt/format.h>
 

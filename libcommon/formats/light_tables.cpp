@@ -7,8 +7,6 @@
 #include <charconv>
 #include <cmath>
 #include <iterator>
-#include <optional>
-#include <tuple>
 #include <utility>
 
 #include <fmt/format.h>

@@ -3,9 +3,7 @@
 #include "libcommon/formats/portal.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <limits>
 #include <numeric>
 #include <optional>
 

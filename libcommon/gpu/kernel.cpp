@@ -1,4 +1,3 @@
-#include <algorithm>
 
 #include "libcommon/gpu/device_impl.h"
 

@@ -1,7 +1,6 @@
 #include "libcommon/options/picture_options.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include <fmt/format.h>
 

@@ -2,7 +2,6 @@
 
 #include <numeric>
 
-#include "libcommon/math/rng.h"
 #include "libcommon/scene/ies.h"
 #include "libcommon/scene/texture.h"
 #include "shaders/shared/elementary.h"

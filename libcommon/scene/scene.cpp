@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <algorithm>
 
-#include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
 #include "libcommon/base/words.h"
 

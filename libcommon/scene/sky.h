@@ -12,7 +12,6 @@
 #pragma once
 #include <array>
 #include <functional>
-#include <string>
 #include <vector>
 
 #include "libcommon/math/discrete.h"

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "libcommon/scene/scene.h"
-
 namespace tdpt {
 
 namespace {

@@ -1,7 +1,6 @@
 #include "libcommon/scene/texture.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "libcommon/scene/surface_tables.h"
 #include "shaders/shared/texels.h"

@@ -5,8 +5,6 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <optional>
-#include <vector>
 
 #include "libcommon/base/file.h"
 #include "libcommon/base/words.h"

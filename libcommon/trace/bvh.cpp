@@ -13,7 +13,6 @@
 #include <limits>
 
 #include "libcommon/base/error.h"
-#include "libcommon/scene/scene.h"
 
 namespace tdpt {
 namespace {

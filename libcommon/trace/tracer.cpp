@@ -7,7 +7,6 @@
 #include "libcommon/base/error.h"
 #include "libcommon/base/process.h"
 #include "libcommon/math/rng.h"
-#include "libcommon/scene/scene.h"
 #include "libcommon/scene/texture.h"
 #include "libcommon/trace/embree.h"
 #include "shaders/shared/bvh.h"

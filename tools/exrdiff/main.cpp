@@ -1,5 +1,4 @@
 // exrdiff: measures how far a picture is from its reference.
-#include <fmt/format.h>
 
 #include "libcommon/base/error.h"
 #include "libcommon/base/provenance.h"

@@ -3,7 +3,6 @@
 // Which openings are narrow changes gradually along the way of a camera, so few poses do: the
 // first, each that has moved or turned far enough from the one before it, and the last.
 #pragma once
-#include <string>
 #include <vector>
 
 #include "libcommon/options/shot_options.h"

@@ -9,7 +9,6 @@
 #include <oneapi/tbb/parallel_sort.h>
 
 #include "libcommon/math/discrete.h"
-#include "libcommon/math/rng.h"
 #include "libcommon/math/streams.h"
 #include "libcommon/scene/sky_bins.h"
 

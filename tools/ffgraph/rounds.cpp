@@ -5,7 +5,6 @@
 #include <oneapi/tbb/parallel_for.h>
 
 #include "libcommon/base/error.h"
-#include "libcommon/base/process.h"
 #include "libcommon/flow/series_cut.h"
 #include "tools/ffgraph/patch_map.h"
 #include "tools/ffgraph/walks.h"

@@ -1,7 +1,6 @@
 #include "tools/ffgraph/triangle_flow.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
 #include <unordered_map>
@@ -9,7 +8,6 @@
 
 #include <oneapi/tbb/parallel_for.h>
 
-#include "libcommon/math/rng.h"
 #include "libcommon/math/streams.h"
 #include "tools/ffgraph/walks.h"
 

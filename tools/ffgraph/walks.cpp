@@ -7,7 +7,6 @@
 #include <oneapi/tbb/parallel_for.h>
 
 #include "libcommon/flow/potential_sweep.h"
-#include "libcommon/math/rng.h"
 #include "libcommon/math/streams.h"
 #include "libcommon/scene/film_plane.h"
 #include "libcommon/scene/lights.h"

@@ -3,7 +3,6 @@
 // build of these shaders (testing/scalar_lines.h). All generate the same lines from the same seed;
 // Embree's rays hit another triangle than the two others' in fewer than 1 of 10 000 cases.
 #pragma once
-#include <array>
 #include <memory>
 #include <span>
 #include <vector>

@@ -7,7 +7,6 @@
 #include <tbb/parallel_for.h>
 
 #include "libcommon/base/error.h"
-#include "libcommon/flow/series_cut.h"
 #include "libcommon/formats/format_version.h"
 
 namespace tdpt {

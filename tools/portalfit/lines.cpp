@@ -10,11 +10,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <unordered_map>
 
 #include "libcommon/math/reach.h"
-#include "tools/portalfit/plane.h"
 
 namespace tdpt {
 namespace {
@@ -207,12 +205,9 @@ Plane waist(const Bundle& bundle, const Plane& start) {
   double slide = unit, tilt = 0.3;
   while (slide > 2e-3 * unit || tilt > 2e-3) {
     bool better = false;
-    for (const auto& [a, b, along] : std::array<std::array<double, 3>, 6>{{{0, 0, slide},
-                                                                           {0, 0, -slide},
-                                                                           {tilt, 0, 0},
-                                                                           {-tilt, 0, 0},
-                                                                           {0, tilt, 0},
-                                                                           {0, -tilt, 0}}}) {
+    const std::array<double, 3> moves[] = {{0, 0, slide}, {0, 0, -slide}, {tilt, 0, 0},
+                                           {-tilt, 0, 0}, {0, tilt, 0},   {0, -tilt, 0}};
+    for (const auto& [a, b, along] : moves) {
       const Onb<double> frame(best.n);
       Plane next{best.o + best.n * along, normalize(best.n + frame.x * a + frame.y * b)};
       const double badness = badness_of(next);

@@ -21,13 +21,11 @@
 #include <cmath>
 #include <functional>
 #include <numbers>
-#include <span>
 
 #include <oneapi/tbb/parallel_for.h>
 #include <oneapi/tbb/parallel_invoke.h>
 
 #include "libcommon/math/reach.h"
-#include "tools/portalfit/plane.h"
 
 namespace tdpt {
 namespace {

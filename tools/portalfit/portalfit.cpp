@@ -13,7 +13,6 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <optional>
 #include <set>
 
 #include <fmt/format.h>

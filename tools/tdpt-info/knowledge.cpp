@@ -9,12 +9,10 @@
 #include <set>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
 #include "libcommon/base/output_file.h"
-#include "libcommon/base/provenance.h"
 #include "libcommon/base/words.h"
 #include "libcommon/film/film_file.h"
 #include "libcommon/formats/cut.h"

@@ -1,6 +1,5 @@
 #include "libcommon/scene/gltf/parts.h"
 
-#include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
 

@@ -1,7 +1,6 @@
 // Where nodes stand: the hierarchy with world transforms in double precision, instances, skins and
 // animations. Internal to this room.
 #pragma once
-#include <string>
 #include <vector>
 
 #include "libcommon/math/vec.h"

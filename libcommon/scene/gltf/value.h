@@ -2,8 +2,6 @@
 // may be, and anything else is an InputError with that place: each value is checked once, where it
 // is read.
 #pragma once
-#include <array>
-#include <cstdint>
 #include <initializer_list>
 #include <string>
 #include <string_view>

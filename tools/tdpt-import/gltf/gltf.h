@@ -5,7 +5,6 @@
 #include <nlohmann/json.hpp>
 #include <set>
 #include <string>
-#include <vector>
 
 #include "libcommon/base/provenance.h"
 #include "libcommon/formats/glb.h"

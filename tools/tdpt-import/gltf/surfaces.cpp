@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include <fmt/format.h>
-
 #include "libcommon/base/provenance.h"
 #include "libcommon/base/words.h"
 #include "libcommon/formats/png.h"

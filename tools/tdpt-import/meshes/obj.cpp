@@ -1,7 +1,6 @@
 // Wavefront OBJ. Polygons become fans, as in Mitsuba and Tungsten.
 #include <algorithm>
 #include <charconv>
-#include <cmath>
 #include <map>
 
 #include <fmt/format.h>

@@ -1,9 +1,6 @@
 // Shapes. Texture coordinates stay: v = 0 is the top row of an image in Mitsuba, too.
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
-
 #include "libcommon/base/words.h"
 #include "tools/tdpt-import/materials.h"
 #include "tools/tdpt-import/meshes/meshes.h"

@@ -9,7 +9,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <numeric>
 
 #include "libcommon/base/words.h"
 #include "tools/tdpt-import/materials.h"

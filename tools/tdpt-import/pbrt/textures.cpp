@@ -2,7 +2,6 @@
 // vscale v + vdelta), (0, 0) is the lower left corner of an image, v grows upwards. Textures of
 // numbers are kept as grey ones.
 #include <algorithm>
-#include <cmath>
 
 #include "libcommon/base/words.h"
 #include "tools/tdpt-import/materials.h"

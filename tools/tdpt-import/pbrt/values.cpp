@@ -6,7 +6,6 @@
 // D65, where a constant reflectance is grey.
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "libcommon/base/words.h"
 #include "tools/tdpt-import/materials.h"

@@ -1,4 +1,3 @@
-#include <fmt/format.h>
 
 #include "libcommon/base/words.h"
 #include "tools/tdpt-import/materials.h"

@@ -6,7 +6,6 @@
 #include <fmt/format.h>
 
 #include "libcommon/base/error.h"
-#include "libcommon/gpu/kernel.h"
 #include "libcommon/math/sequence.h"
 #include "shaders/path_scan.h"
 #include "shaders/path_steps.h"

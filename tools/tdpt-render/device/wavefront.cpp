@@ -1,8 +1,6 @@
 #include "tools/tdpt-render/device/wavefront.h"
 
-#include <algorithm>
 #include <chrono>
-#include <cmath>
 
 #include <fmt/format.h>
 

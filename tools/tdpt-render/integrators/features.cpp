@@ -1,13 +1,11 @@
 #include "tools/tdpt-render/integrators/features.h"
 
 #include <algorithm>
-#include <utility>
 
 #include <oneapi/tbb/parallel_for.h>
 
 #include "libcommon/math/sequence.h"
 #include "libcommon/math/streams.h"
-#include "tools/tdpt-render/path/sample/world.h"
 
 namespace tdpt {
 namespace {

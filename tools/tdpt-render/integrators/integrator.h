@@ -3,7 +3,6 @@
 #include <array>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "libcommon/math/streams.h"
 #include "libcommon/scene/scene.h"
@@ -40,7 +39,8 @@ inline constexpr std::array kIntegrators{
         "tdpt",
         stream::tdpt,
         {TechniqueSet(Technique::camera, Technique::direct, Technique::light, Technique::portal)}},
-    /// The techniques of tdpt-org, with both walks guided towards the portals [guide.h]; half of the
+    /// The techniques of tdpt-org, with both walks guided towards the portals [guide.h]; half of
+    /// the
     /// light walks, since most lamps of a building do not see the openings of the camera's room.
     Integrator{"tdpt-guided",
                stream::tdpt_guided,

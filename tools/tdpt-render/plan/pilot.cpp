@@ -7,8 +7,6 @@
 
 #include <oneapi/tbb/parallel_for.h>
 
-#include "tools/tdpt-render/integrators/passes.h"
-
 namespace tdpt {
 namespace {
 

@@ -3,7 +3,6 @@
 #include "tools/tdpt-render/plan/pilot.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "tools/tdpt-render/plan/work_model.h"
 

@@ -1,9 +1,7 @@
 #include "tools/tdpt-render/plan/plan.h"
 
-#include <algorithm>
 #include <array>
 
-#include "libcommon/base/process.h"
 #include "tools/tdpt-render/path/bsdf/scatter.h"
 
 namespace tdpt {

@@ -39,53 +39,45 @@ struct WorkCosts {
 // room with one window and one with four) and, with portals, the closest hit, since there are about
 // as many as edges. Ratios to bdpt's CPU time are within 10 % on average; `nee` 0.7 to 1.25 times,
 // tdpt-guided 0.6 to 1.1 times.
-inline constexpr WorkCosts kWorkWithPortals{
-    .closest = 60,
-    .closest_deeper = 25,
-    .shadow = 218,
-    .connect = 19,
-    .portal = 132,
-    .portal_triangle = 2,
-    .directed = 86,
-    .facets = 59,
-    .facet = 11,
-    .looking_out = 70,
-    .window = 20,
-};
-inline constexpr WorkCosts kWorkWithoutPortals{
-    .closest = 193,
-    .closest_deeper = 25,
-    .shadow = 297,
-    .connect = 6,
-    .looking_out = 70,
-    .window = 20,
-};
+inline constexpr WorkCosts kWorkWithPortals{.closest = 60,
+                                            .closest_deeper = 25,
+                                            .shadow = 218,
+                                            .connect = 19,
+                                            .portal = 132,
+                                            .portal_triangle = 2,
+                                            .directed = 86,
+                                            .facets = 59,
+                                            .facet = 11,
+                                            .looking_out = 70,
+                                            .window = 20};
+inline constexpr WorkCosts kWorkWithoutPortals{.closest = 193,
+                                               .closest_deeper = 25,
+                                               .shadow = 297,
+                                               .connect = 6,
+                                               .looking_out = 70,
+                                               .window = 20};
 
 // The same for samples on a device: CPU nanoseconds of Mesa's software device on one core, three
 // scenes with portals, five without. Ratios to bdpt's are within 8 % on average, 46 % at most.
 // Costs of facets, of portal triangles and of looking out were not measured: they are in proportion
 // to a closest hit as on the CPU. Other kinds of devices have not been measured: use
 // `work_model_bench --device gpu`.
-inline constexpr WorkCosts kDeviceWorkWithPortals{
-    .closest = 474,
-    .closest_deeper = 129,
-    .shadow = 750,
-    .connect = 48,
-    .portal_triangle = 5,
-    .directed = 317,
-    .facets = 145,
-    .facet = 27,
-    .looking_out = 172,
-    .window = 49,
-};
-inline constexpr WorkCosts kDeviceWorkWithoutPortals{
-    .closest = 474,
-    .closest_deeper = 117,
-    .shadow = 845,
-    .connect = 19,
-    .looking_out = 172,
-    .window = 49,
-};
+inline constexpr WorkCosts kDeviceWorkWithPortals{.closest = 474,
+                                                  .closest_deeper = 129,
+                                                  .shadow = 750,
+                                                  .connect = 48,
+                                                  .portal_triangle = 5,
+                                                  .directed = 317,
+                                                  .facets = 145,
+                                                  .facet = 27,
+                                                  .looking_out = 172,
+                                                  .window = 49};
+inline constexpr WorkCosts kDeviceWorkWithoutPortals{.closest = 474,
+                                                     .closest_deeper = 117,
+                                                     .shadow = 845,
+                                                     .connect = 19,
+                                                     .looking_out = 172,
+                                                     .window = 49};
 
 /// The table of a sample's costs, for a device of any kind or the CPU: a sample's cost is the same
 /// in every run.

@@ -1,7 +1,5 @@
 // Reads the portals given on the command line, and refuses what is no portal of the scene.
 #pragma once
-#include <cstdint>
-#include <optional>
 #include <string>
 #include <vector>
 

@@ -4,7 +4,6 @@
 #include <charconv>
 #include <set>
 #include <sstream>
-#include <string_view>
 
 #include <fmt/format.h>
 

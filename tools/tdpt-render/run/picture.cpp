@@ -6,7 +6,6 @@
 #include <cmath>
 #include <filesystem>
 #include <new>
-#include <string>
 #include <vector>
 
 #include <fmt/format.h>
@@ -31,7 +30,6 @@
 #include "tools/tdpt-render/run/progress.h"
 #include "tools/tdpt-render/run/render.h"
 #include "tools/tdpt-render/run/report.h"
-#include "tools/tdpt-render/run/scene_cache.h"
 
 namespace tdpt {
 

@@ -1,6 +1,5 @@
 #include "tools/tdpt-render/run/progress.h"
 
-#include <algorithm>
 #include <array>
 #include <bit>
 #include <charconv>

@@ -1,6 +1,5 @@
 #include "tools/tdpt-render/run/report.h"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numeric>

@@ -12,7 +12,6 @@
 #include "libcommon/base/words.h"
 #include "libcommon/denoise/filter_picture.h"
 #include "tools/tdpt-render/integrators/passes.h"
-#include "tools/tdpt-render/path/sample/world.h"
 #include "tools/tdpt-render/portals/given_portals.h"
 
 namespace tdpt {

@@ -2,7 +2,6 @@
 //
 // Densities are per canonical area (pdf_A) unless their name says otherwise.
 #pragma once
-#include <array>
 #include <numbers>
 
 #include "libcommon/scene/lights.h"

@@ -1,6 +1,5 @@
 #include "tools/tdpt-render/path/light/window_sky.h"
 
-#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <numbers>

@@ -1,7 +1,5 @@
 #include "tools/tdpt-render/path/sample/connect.h"
 
-#include "tools/tdpt-render/path/sample/world.h"
-
 namespace tdpt {
 namespace {
 

@@ -7,7 +7,6 @@
 
 #include "shaders/shared/path/render_layout.h"
 #include "shaders/shared/scaled.h"
-#include "tools/tdpt-render/path/sample/walk.h"
 
 namespace tdpt::shader {
 

@@ -12,7 +12,6 @@
 #include "libcommon/math/rng.h"
 #include "libcommon/math/streams.h"
 #include "libcommon/scene/texture.h"
-#include "tools/tdpt-render/path/bsdf/scatter.h"
 
 namespace tdpt {
 namespace {
