@@ -1,36 +1,25 @@
 # A thin front for CMake's presets: the words people try first. `make help` prints the lines below that are indented.
-#   make                builds everything into build/bin
-#   make programs       builds the programs alone, without tests and benchmarks
-#   make help           prints this list
-#   make demo           installs what is missing, builds the programs, and shows what a portal is good for, in demo/
+#   make                builds everything into build/bin; make programs: without tests and benchmarks
+#   make demo           installs what is missing, builds the programs, and shows what portals are good for, in demo/
 #
-#   make install        installs programs, man pages, completions, tdpt.mk and the scripts of doc/ under PREFIX (and DESTDIR)
-#   make uninstall      removes them again, with the same PREFIX and DESTDIR
-#   make package        builds a Debian package for this release, build/tdpt_VERSION_ARCH.deb
-#   make package-test   installs that on a bare system of the same release and tries it there (as root; BARE=FOLDER)
-#   make tarball        packs build/tdpt-VERSION-linux-MACHINE.tar.gz: programs with their libraries, nothing to install
-#   make tarball-test   tries that on bare Debian 12 and 13 (as root; BARE=FOLDER)
-#   make wheel          packs the same for pip, build/tdpt_render-VERSION-TAG.whl, and Blender's extension with its programs
-#   make wheel-test     installs that on bare Debian 12 and 13, and in the Blender of `make peers` (as root; BARE=FOLDER)
-#   make packages       installs the Debian packages that are missing
-#
-#   make test           installs what is missing, builds, and runs every test
+#   make check          builds, and runs the quick tests: two minutes on two cores
+#   make test           installs what is missing, builds, and runs every test: six minutes
 #   make test-long      before a release: sweeps, and the statistical tests with 200 fresh seeds (hours; ONLY=REGEX)
-#   make test-slurm     doc/farm under Slurm on this machine, with a node that dies (as root; five minutes)
-#   make test-report    opens reports of three scenes in a headless Chromium: build/report (five minutes)
 #   make sanitize       builds with the sanitizers into build-sanitize, and runs every test there
 #   make fuzz           runs libFuzzer on every reader, with clang (SECONDS=60 TARGETS="scene cut" ROUNDS=N)
-#   make format         formats all sources with clang-format
+#   make test-slurm     doc/farm under Slurm (as root); make test-report: the report page in a browser
 #
-#   make bench          lists the benchmarks
-#   make bench-NAME     builds and runs one, which writes its tables in doc/ (bench/run.py NAME --help: its settings,
-#                       as in make bench-regret SEEDS=3; QUICK=1: a trial)
-#   make peers          installs Cycles, LuxCore, Mitsuba, OpenUSD and Open Image Denoise from PyPI into build/peers/venv, for
-#                       tests and benchmarks beside them (2 GB; PYTHON=python3.11: bpy 5.0 is for no other)
-#   make figures        renders the paper's Figs 5 to 7 for doc/efficiency.md (HEIGHT, SPP, ONLY=SCENE, SCENES=FOLDER,
-#                       DOC=FOLDER: elsewhere)
-#   make stages         draws what each stage did, for doc/portals.md (SCENE=room.glb DOC=FOLDER: of your scene)
-#   make clean          removes what was built
+#   make install        installs under PREFIX (and DESTDIR); make uninstall, with the same, removes it again
+#   make package        builds a Debian package for this release, build/tdpt_VERSION_ARCH.deb
+#   make tarball        packs build/tdpt-VERSION-linux-MACHINE.tar.gz: programs with their libraries, nothing to install
+#   make wheel          packs the same for pip, and Blender's extension with its programs
+#   make X-test         X: package, tarball or wheel; tries that on bare Debian systems (as root; BARE=FOLDER)
+#
+#   make bench          lists the benchmarks; make bench-NAME runs one, which writes its tables in doc/ (QUICK=1: a trial;
+#                       settings, as in make bench-regret SEEDS=3: bench/run.py NAME --help)
+#   make figures        renders the paper's figures; make stages: what each stage did (SCENE=room.glb DOC=FOLDER)
+#   make peers          installs other renderers from PyPI for tests and benchmarks beside them (2 GB; PYTHON=python3.11)
+#   make packages, make format, make clean
 PREFIX ?= /usr/local
 JOBS ?= $(shell nproc 2>/dev/null || echo 2)
 # .ci/run names a file here, to learn the exit code of ctest instead of make's.
@@ -40,7 +29,7 @@ TEST_STATUS ?=
 DEMO_PROGRAMS = ffgraph mincut lightgrid portalfit tdpt-render exrdiff exrmerge exrdenoise
 PROGRAMS = $(DEMO_PROGRAMS) tdpt-info tdpt-import tdpt
 
-.PHONY: all help build programs demo figures stages bench peers test test-long test-slurm test-report install uninstall tarball tarball-test wheel wheel-test package package-test sanitize fuzz packages format clean
+.PHONY: all help build programs demo figures stages bench peers check test test-long test-slurm test-report install uninstall tarball tarball-test wheel wheel-test package package-test sanitize fuzz packages format clean
 all: build
 
 help:
@@ -62,11 +51,16 @@ packages:
 	@sh cmake/install-packages.sh cmake/packages-test.txt
 
 test:
-	@echo "make test: installs the packages that are missing, compiles everything (ten minutes on 2 quiet cores, less what" \
-	  "ccache has) and runs every test (a quarter of an hour)"
+	@echo "make test: installs the packages that are missing, compiles everything (@BUILD@ minutes on 2 quiet cores, less what" \
+	  "ccache has) and runs every test (six minutes)"
 	@$(MAKE) --no-print-directory packages build
 	@ctest --preset release --parallel $(JOBS); code=$$?; \
 	if [ -n "$(TEST_STATUS)" ]; then echo $$code >"$(TEST_STATUS)"; else exit $$code; fi
+
+# What an editor wants after each change: without pictures that must agree, devices, whole pipelines and installations.
+check: packages
+	@$(MAKE) --no-print-directory build
+	@ctest --preset check --parallel $(JOBS)
 
 test-long: packages
 	@$(MAKE) --no-print-directory build
@@ -90,6 +84,7 @@ demo:
 	@echo "make demo: ends on the picture demo/demo.png; first installs the packages that are missing and compiles" \
 	  "$(words $(DEMO_PROGRAMS)) programs"
 	@$(MAKE) --no-print-directory programs PROGRAMS="$(DEMO_PROGRAMS)"
+	@sh cmake/install-packages.sh cmake/packages-demo.txt
 	@python3 -B bench/run.py demo --cache demo
 
 figures stages: %: bench-%

@@ -7,6 +7,9 @@ status=0
 for program; do
   inputs=$(ninja -C "$build" -t inputs "bin/$program") || exit 2
   [ -n "$inputs" ] || { echo "$program is made from nothing"; exit 2; }
+  # Sources are compiled several at a time, by files that include them.
+  inputs="$inputs
+$(echo "$inputs" | grep '/Unity/.*\.cxx$' | xargs -r sed -n 's/^#include "\(.*\)"$/\1/p')"
   if found=$(echo "$inputs" | grep -E '/testing/|_(test|bench|fuzz)\.'); then
     echo "$found" | sed "s|^|$program is made from |"
     status=1

@@ -9,7 +9,7 @@ import numpy as np
 import pages
 from common import ROOT, TESTDATA, Setting, settings
 
-ROOM = TESTDATA / "scenes/furnished.glb"
+ROOM = TESTDATA / "demo/furnished.glb"
 NAMES = {"without": "without portals", "portals": "with portals", "filtered": "and filtered"}
 GAP = 8  # pixels between panels
 
@@ -56,7 +56,7 @@ def demo(bench):
     gap = np.ones((len(pictures[0]), GAP, 3))
     formats.exr_write("panels.exr", np.hstack([pictures[0], gap, pictures[1], gap, pictures[2]]))
     run("demo.png", "exrmerge", "panels.exr", "-o", "demo.png", "--quiet")
-    reference = TESTDATA / f"references/{ROOM.stem}.exr"
+    reference = ROOM.with_suffix(".exr")
     if scene == ROOM and pictures[0].shape == formats.exr_read(reference).shape:
         off = {name: bench.fresh("exrdiff", f"{name}.exr", reference).said for name in NAMES}
         print(f"\n  {'':17} {'relMSE':>8} {'PSNR [dB]':>10}")

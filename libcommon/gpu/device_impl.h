@@ -1,5 +1,6 @@
 // Implementation behind the public headers of this folder. Internal to it.
 #pragma once
+#include <fmt/format.h>
 #include <vulkan/vulkan_raii.hpp>
 
 #include "libcommon/base/error.h"
