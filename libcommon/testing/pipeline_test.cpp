@@ -114,7 +114,7 @@ TEST(filled_openings, with_a_solid_pane_have_their_portal) {
   EXPECT_TRUE(portals_of(board.room, board.room.writing).portals.empty());
 }
 
-TEST(filled_openings, with_a_thin_pane_under_a_sky_have_their_portal) {
+TEST(long_filled_openings, with_a_thin_pane_under_a_sky_have_their_portal) {
   Window window(RoomKind::sky_window);
   window.hang(Stuff::sheet, 0, kRim);
   expect_right(window.room);
