@@ -51,7 +51,7 @@ packages:
 	@sh cmake/install-packages.sh cmake/packages-test.txt
 
 test:
-	@echo "make test: installs the packages that are missing, compiles everything (@BUILD@ minutes on 2 quiet cores, less what" \
+	@echo "make test: installs the packages that are missing, compiles everything (seven minutes on 2 quiet cores, less what" \
 	  "ccache has) and runs every test (six minutes)"
 	@$(MAKE) --no-print-directory packages build
 	@ctest --preset release --parallel $(JOBS); code=$$?; \
