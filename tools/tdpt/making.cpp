@@ -171,11 +171,14 @@ Words preview_command(const Plan& plan) {
   return words;
 }
 
+// A result gets its name in the cache when it is whole: lightgrid writes what it has when it is
+// stopped, too.
 void run_stage(const Plan& plan, Session& session, const Search& search, const Step& stage) {
   session.begin_step(stage.title, stage.options[0], "");  // of all pictures
   if (!plan.a.preview.empty() && !plan.a.shot.is_given() && !session.has_first_preview())
     session.begin_first_preview(preview_command(plan));
-  Words words = stage.command(stage.output);
+  const std::string made = session.path_of(fs::path(stage.output).filename().string());
+  Words words = stage.command(made);
   if (words[0].ends_with("/lightgrid"))  // the others are short and report no progress
     append(words, {"--set", "progress=json"});
   const bool reads_scene = stage.inputs[0] == plan.request.scene, explains = !plan.a.report.empty();
@@ -195,6 +198,7 @@ void run_stage(const Plan& plan, Session& session, const Search& search, const S
     throw InputError(plan.request.scene, "", "has changed while tdpt was at work; start it again");
   }
   if (code != 0) throw ProgramEnded{code};
+  fs::rename(made, stage.output);
   if (explains) write_output(stage.output + ".told.txt", explained);
 }
 

@@ -342,6 +342,18 @@ class Tdpt(unittest.TestCase):
         self.assertEqual(os.listdir(self.here), ["room.glb"])
         self.run_tdpt("room.glb", "-o", "p.exr", *LONG)
 
+    def test_what_lightgrid_has_when_it_is_stopped_is_not_taken_for_whole(self):
+        many = {"LIGHTGRID_FLAGS": "--quality high"}
+        child = self.start("room.glb", "-o", "p.exr", *QUICK, env=many)
+        with self.held("lightgrid", lambda: self.runs("lightgrid")() and time.sleep(0.1) is None):  # it handles signals by then
+            child.terminate()
+        err = child.communicate()[1].decode()
+        self.assertEqual(child.returncode, 6, err)
+        self.assertIn("the grid holds what was drawn until then", err)
+        self.run_tdpt("room.glb", "-o", "p.exr", *QUICK, env=many)
+        self.run_tdpt("room.glb", "-o", "alone.exr", *QUICK, "--work", "alone", env=many)
+        self.assertEqual(self.bytes_of("p.exr"), self.bytes_of("alone.exr"))
+
     def test_a_signal_that_is_ignored_stays_ignored(self):
         def ignore():
             signal.signal(signal.SIGHUP, signal.SIG_IGN)
