@@ -375,7 +375,7 @@ class Tdpt(unittest.TestCase):
             os.kill(pid, signal.SIGKILL)
 
     def test_kills_leave_nothing_behind(self):
-        words = ["room.glb", "-o", "p.exr", "--preview", "--spp", "30", "--width", "48", "--set", "checkpoint-every=0"]
+        words = ["room.glb", "-o", "p.exr", "--preview", "--spp", "16", "--width", "48", "--set", "checkpoint-every=0"]
         began = time.monotonic()
         self.run_tdpt("room.glb", "-o", "whole.exr", *words[3:])
         lasts = time.monotonic() - began

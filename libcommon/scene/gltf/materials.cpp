@@ -344,7 +344,7 @@ class MaterialReader {
   std::string called_;                                         // name of the current material
   std::optional<Index> conductor_;                             // of the current one
   bool glossy_ = false;  // the current one is specular-glossiness
-  bool counts_ = false;                                        // what is read of it matters
+  bool counts_ = false;  // what is read of it matters
 };
 
 }  // namespace

@@ -75,7 +75,7 @@ struct Explored {
   /// power if nothing arrived. A single path counts for at most a tenth of the total.
   Lights::KindProbabilities lights;
   std::optional<Truncation> beyond;  ///< light lost by the limit of depth, if there is one
-  double samples = 0;  ///< that were asked for; 0: nothing was explored
+  double samples = 0;                ///< that were asked for; 0: nothing was explored
 };
 
 /// Share of a picture's samples that it may take, with a pilot and without, and the bounds of their

@@ -8,8 +8,8 @@
 #include <gtest/gtest.h>
 
 #include "tools/tdpt-render/run/report.h"
-#include "tools/tdpt-render/testing/rooms.h"
 #include "tools/tdpt-render/testing/rendering.h"
+#include "tools/tdpt-render/testing/rooms.h"
 #include "tools/tdpt-render/testing/sky.h"
 
 namespace tdpt::exploration_test {

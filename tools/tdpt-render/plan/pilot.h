@@ -21,11 +21,11 @@
 //             V_i = M_i + E[X^2 - sum of squares of its paths, each times c] - E[X X'],
 //             unbiased. The second term is the correlation of the paths of one sample, plus the
 //             variance of tracing few connections: M_i counts all possible ones, c is the chance
-//             that one gets its ray [light_vertex_cache.h]. A candidate whose walks are drawn as in no run
-//             takes the last two terms of its home. With portals, the correlation of paths that
-//             share a light walk is estimated by the run that guides its light walks, each path as
-//             often as the candidate would make it: unguided walks seldom come in, and few samples
-//             meet one.
+//             that one gets its ray [light_vertex_cache.h]. A candidate whose walks are drawn as in
+//             no run takes the last two terms of its home. With portals, the correlation of paths
+//             that share a light walk is estimated by the run that guides its light walks, each
+//             path as often as the candidate would make it: unguided walks seldom come in, and few
+//             samples meet one.
 // I         the larger of two brightnesses: the mean of the smallest block of pixels for which it
 //           is well known, and that of the other samples of the pixel, which tell a lamp or a
 //           window from the wall beside it. Paths that all candidates sample equally, such as those

@@ -3,8 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#include "tools/tdpt-render/testing/rooms.h"
 #include "tools/tdpt-render/testing/known_windows.h"
+#include "tools/tdpt-render/testing/rooms.h"
 #include "tools/tdpt-render/testing/told.h"
 
 namespace tdpt::pilot_sky_test {

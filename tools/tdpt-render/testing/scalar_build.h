@@ -3,8 +3,8 @@
 #pragma once
 #include <memory>
 
-#include "tools/tdpt-render/device/wavefront.h"
 #include "tools/tdpt-render/device/tables.h"
+#include "tools/tdpt-render/device/wavefront.h"
 
 namespace tdpt {
 
